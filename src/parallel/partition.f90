@@ -1,0 +1,237 @@
+!> A block of tiles dealt out to ranks: equal work for each, and little surface between them.
+module partition
+  use kinds, only: wp
+  use metis, only: idx_t, graph_t, cut_recursively, cut_directly
+  implicit none
+  private
+  public :: partition_block, largest_load, relabel
+
+  integer, parameter :: unevenness = 30          !< permitted, in thousandths of the mean load
+  integer, parameter :: few = 16                 !< parts up to which halving is tried as well
+  real(wp), parameter :: empty = 0.01_wp         !< work of all empty tiles together, relative to that of the others
+  real(wp), parameter :: resolution = 1e7_wp     !< the whole work in METIS's integers
+  real(wp), parameter :: edge_unit = 100.0_wp    !< a face between tiles of mean work, in METIS's integers
+  real(wp), parameter :: edge_most = 2000.0_wp
+
+contains
+
+  !> Part 0 to parts - 1 of every tile of an n(1) x n(2) x n(3) block, x fastest.
+  !> Every part gets a tile if there are enough; `ok` is false if METIS fails.
+  subroutine partition_block(n, periodic, area, work, parts, part, ok)
+    integer, intent(in) :: n(3)
+    logical, intent(in) :: periodic(3)
+    real(wp), intent(in) :: area(3)   !< face of a tile across each direction [m2]
+    real(wp), intent(in) :: work(:)   !< (tiles) [any unit]
+    integer, intent(in) :: parts
+    integer, intent(out) :: part(:)   !< (tiles)
+    logical, intent(out) :: ok
+
+    type(graph_t) :: graph
+    real(wp) :: weight(size(work))
+    integer :: i, other(size(work))
+
+    ok = .true.
+    part = [(i, i=0, size(part) - 1)]
+    if (parts >= size(part)) return
+    part = 0
+    if (parts == 1) return
+
+    weight = levelled(parts, with_floor(work))
+    graph = block_graph(n, periodic, area, weight)
+    call cut_directly(graph, parts, unevenness, part, ok)
+    if (.not. ok) return
+    if (parts <= few) then
+      call cut_recursively(graph, parts, unevenness, other, ok)
+      if (.not. ok) return
+      if (better(graph, parts, weight, other, part)) part = other
+    end if
+    call fill_empty(parts, weight, part)
+  end subroutine partition_block
+
+  !> The work of each tile, with a little for those that have none: they are still looked at, and they
+  !> should go to the rank whose parcels will fly there.
+  pure function with_floor(work) result(weight)
+    real(wp), intent(in) :: work(:)
+    real(wp) :: weight(size(work))
+
+    weight = 1
+    if (any(work > 0)) weight = max(work, empty*sum(work)/size(work))
+  end function with_floor
+
+  !> Tiles that are more than a rank's fair share count as that share: such a tile gets a rank of its own, and
+  !> its excess must not distort the balance of the others.
+  pure function levelled(parts, work) result(weight)
+    integer, intent(in) :: parts
+    real(wp), intent(in) :: work(:)
+    real(wp) :: weight(size(work))
+
+    real(wp) :: share
+    integer :: round
+
+    weight = work
+    do round = 1, 40
+      share = sum(weight)/parts
+      if (maxval(weight) <= 1.01_wp*share) exit
+      weight = min(weight, share)
+    end do
+  end function levelled
+
+  !> Tiles joined across faces. An edge weighs what would be exchanged through it: parcels in proportion to the
+  !> area and to the work on both sides.
+  pure function block_graph(n, periodic, area, weight) result(graph)
+    integer, intent(in) :: n(3)
+    logical, intent(in) :: periodic(3)
+    real(wp), intent(in) :: area(3), weight(:)
+    type(graph_t) :: graph
+
+    integer :: v, a, side, m, there, place(3)
+    real(wp) :: share, mean
+
+    allocate (graph%first(size(weight) + 1), graph%weight(size(weight)))
+    allocate (graph%neighbour(6*size(weight)), graph%edge(6*size(weight)))
+    share = max(resolution, 100.0_wp*size(weight))/sum(weight)
+    graph%weight(:) = int(max(1.0_wp, anint(weight*share)), idx_t)
+    mean = sum(weight**2)/sum(weight)
+    graph%first(1) = 0
+    m = 0
+    do v = 1, size(weight)
+      place = [modulo(v - 1, n(1)), modulo((v - 1)/n(1), n(2)), (v - 1)/(n(1)*n(2))]
+      do a = 1, 3
+        do side = -1, 1, 2
+          there = beside(n, periodic, place, a, side)
+          if (there < 0) cycle
+          m = m + 1
+          graph%neighbour(m) = int(there, idx_t)
+          graph%edge(m) = int(max(1.0_wp, min(edge_most, edge_unit*area(a)/maxval(area) &
+                                              *(0.1_wp + 0.5_wp*(weight(v) + weight(there + 1))/mean))), idx_t)
+        end do
+      end do
+      graph%first(v + 1) = int(m, idx_t)
+    end do
+  end function block_graph
+
+  !> The vertex, from 0, next to a place in direction a; -1 if there is none.
+  !> Two tiles joined on both sides are neighbours once, a single one is not its own neighbour.
+  pure function beside(n, periodic, place, a, side) result(vertex)
+    integer, intent(in) :: n(3), place(3), a, side
+    logical, intent(in) :: periodic(3)
+    integer :: vertex
+
+    integer :: at(3)
+
+    at = place
+    at(a) = place(a) + side
+    vertex = -1
+    if (at(a) < 0 .or. at(a) >= n(a)) then
+      if (.not. periodic(a) .or. n(a) < 3) return
+      at(a) = modulo(at(a), n(a))
+    end if
+    vertex = at(1) + n(1)*(at(2) + n(2)*at(3))
+  end function beside
+
+  !> Whether one partition is better than another: less load on the busiest part, or, both being good enough,
+  !> less weight of cut edges.
+  pure function better(graph, parts, weight, one, other)
+    type(graph_t), intent(in) :: graph
+    integer, intent(in) :: parts, one(:), other(:)
+    real(wp), intent(in) :: weight(:)
+    logical :: better
+
+    real(wp) :: load(2), enough
+
+    enough = (1 + 0.001_wp*unevenness)*sum(weight)/parts
+    load = max(enough, [largest_load(parts, weight, one), largest_load(parts, weight, other)])
+    better = load(1) < load(2)
+    if (all(load <= enough)) better = cut_weight(graph, one) < cut_weight(graph, other)
+  end function better
+
+  !> Work of the busiest part.
+  pure function largest_load(parts, work, part) result(largest)
+    integer, intent(in) :: parts
+    real(wp), intent(in) :: work(:)  !< (tiles)
+    integer, intent(in) :: part(:)   !< (tiles) from 0
+    real(wp) :: largest
+
+    real(wp) :: load(0:parts - 1)
+    integer :: v
+
+    load = 0
+    do v = 1, size(work)
+      load(part(v)) = load(part(v)) + work(v)
+    end do
+    largest = maxval(load)
+  end function largest_load
+
+  pure function cut_weight(graph, part) result(total)
+    type(graph_t), intent(in) :: graph
+    integer, intent(in) :: part(:)
+    real(wp) :: total
+
+    integer :: v, e
+
+    total = 0
+    do v = 1, size(part)
+      do e = graph%first(v) + 1, graph%first(v + 1)
+        if (part(graph%neighbour(e) + 1) /= part(v)) total = total + graph%edge(e)
+      end do
+    end do
+  end function cut_weight
+
+  !> Give each part without a tile the lightest one of the part that has most tiles.
+  pure subroutine fill_empty(parts, weight, part)
+    integer, intent(in) :: parts
+    real(wp), intent(in) :: weight(:)
+    integer, intent(inout) :: part(:)
+
+    integer :: tiles(0:parts - 1), p, v, rich
+
+    tiles = 0
+    do v = 1, size(part)
+      tiles(part(v)) = tiles(part(v)) + 1
+    end do
+    do p = 0, parts - 1
+      if (tiles(p) > 0) cycle
+      rich = maxloc(tiles, dim=1) - 1
+      part(minloc(weight, dim=1, mask=part == rich)) = p
+      tiles(rich) = tiles(rich) - 1
+      tiles(p) = 1
+    end do
+  end subroutine fill_empty
+
+  !> Name the parts so that as much work as possible stays where it is: the largest overlap of an old and a new
+  !> part first, then the largest among those left.
+  pure subroutine relabel(parts, work, old, part)
+    integer, intent(in) :: parts
+    real(wp), intent(in) :: work(:)     !< (tiles)
+    integer, intent(in) :: old(:)       !< (tiles) from 0
+    integer, intent(inout) :: part(:)   !< (tiles) from 0
+
+    real(wp) :: overlap(0:parts - 1, 0:parts - 1), largest(0:parts - 1), weight(size(work))
+    integer :: favourite(0:parts - 1), name(0:parts - 1), v, p, named
+    logical :: free(0:parts - 1)
+
+    weight = with_floor(work)
+    overlap = 0
+    do v = 1, size(work)
+      overlap(old(v), part(v)) = overlap(old(v), part(v)) + weight(v)
+    end do
+    largest = maxval(overlap, dim=1)
+    favourite = maxloc(overlap, dim=1) - 1
+    free = .true.
+    named = 0
+    do while (named < parts)
+      p = maxloc(largest, dim=1) - 1
+      if (free(favourite(p))) then
+        name(p) = favourite(p)
+        free(favourite(p)) = .false.
+        largest(p) = -1
+        named = named + 1
+      else
+        favourite(p) = maxloc(overlap(:, p), dim=1, mask=free) - 1
+        largest(p) = overlap(favourite(p), p)
+      end if
+    end do
+    part = name(part)
+  end subroutine relabel
+
+end module partition

@@ -1,0 +1,322 @@
+!> Space cut into equal tiles, and the tiles dealt out to the ranks: who owns a parcel, and who must see it.
+!>
+!> A tile at a wall reaches beyond it without end, so that a parcel slightly outside belongs to the nearest tile.
+!> All ranks know the owner of every tile.
+module tiles
+  use, intrinsic :: iso_fortran_env, only: error_unit
+  use communicator, only: communicator_t, abort_ranks
+  use kinds, only: wp
+  use metis, only: metis_fits
+  use outcome, only: exit_environment
+  use partition, only: partition_block, largest_load, relabel
+  implicit none
+  private
+  public :: tiles_t, new_tiles, most_images
+
+  integer, parameter :: most_images = 26       !< images of one parcel, if no tile is thinner than the range
+  real(wp), parameter :: worth_it = 0.98_wp    !< new owners are taken if they lower the largest load to this share
+
+  type :: tiles_t
+    type(communicator_t) :: comm
+    real(wp) :: lower(3), upper(3)         !< corners of the domain [m]
+    logical :: periodic(3)
+    integer :: n(3)                        !< tiles in each direction
+    integer :: total                       !< tiles, counted from 1, x fastest
+    real(wp) :: width(3)                   !< edges of a tile [m]
+    integer, allocatable :: owner(:)       !< (total) rank of each tile, the same on all ranks; set by `set_owners`
+    integer, allocatable :: mine(:)        !< my tiles, ascending
+    real(wp), private :: per_metre(3)      !< 1/width [1/m]
+    logical, allocatable, private :: inner(:)  !< (total) mine, and so are all tiles around, none across a periodic face
+  contains
+    procedure :: tile_of
+    procedure :: owner_of
+    procedure :: place_of
+    procedure :: bounds
+    procedure :: wrap
+    procedure :: images
+    procedure :: set_owners
+    procedure :: repartition
+    procedure, private :: imbalance_of_load, imbalance_of_tiles
+    generic :: imbalance => imbalance_of_load, imbalance_of_tiles
+  end type tiles_t
+
+contains
+
+  !> As many tiles as fit without being thinner than `width`, dealt out as if each meant the same work.
+  function new_tiles(comm, lower, upper, periodic, width) result(tiles)
+    type(communicator_t), intent(in) :: comm
+    real(wp), intent(in) :: lower(3), upper(3)  !< corners of the domain [m]
+    logical, intent(in) :: periodic(3)
+    real(wp), intent(in) :: width(3)            !< least edges of a tile [m]
+    type(tiles_t) :: tiles
+
+    integer :: i
+    real(wp), allocatable :: work(:)
+
+    if (.not. metis_fits()) call give_up(comm, 'METIS was built with integers of 64 bits; 32 are needed')
+    tiles%comm = comm
+    tiles%lower = lower
+    tiles%upper = upper
+    tiles%periodic = periodic
+    tiles%n = max(1, int((upper - lower)/width*(1 + 1e-9_wp)))
+    tiles%total = product(tiles%n)
+    tiles%width = (upper - lower)/tiles%n
+    tiles%per_metre = tiles%n/(upper - lower)
+    allocate (work(tiles%total), source=1.0_wp)
+    call tiles%set_owners(dealt_out(tiles, work, [(0, i=1, tiles%total)]))
+  end function new_tiles
+
+  subroutine give_up(comm, message)
+    type(communicator_t), intent(in) :: comm
+    character(len=*), intent(in) :: message
+
+    write (error_unit, '(a,i0,2a)') 'rank ', comm%rank, ': ', message
+    call abort_ranks(comm, exit_environment)
+  end subroutine give_up
+
+  !> Take these owners, as computed or as read from a restart file, and what follows from them.
+  subroutine set_owners(self, owner)
+    class(tiles_t), intent(inout) :: self
+    integer, intent(in) :: owner(:)  !< (total) ranks
+
+    integer :: t, i, j, k, place(3)
+
+    if (any(owner < 0 .or. owner >= self%comm%size)) error stop 'tiles: an owner that is no rank'
+    self%owner = owner
+    self%mine = pack([(t, t=1, self%total)], owner == self%comm%rank)
+    if (allocated(self%inner)) deallocate (self%inner)
+    allocate (self%inner(self%total), source=.false.)
+    do t = 1, size(self%mine)
+      place = self%place_of(self%mine(t))
+      self%inner(self%mine(t)) = .true.
+      do k = -1, 1
+        do j = -1, 1
+          do i = -1, 1
+            if (concerns_others(self, place + [i, j, k])) self%inner(self%mine(t)) = .false.
+          end do
+        end do
+      end do
+    end do
+  end subroutine set_owners
+
+  !> Whether a place is another rank's, or any rank's across a periodic face.
+  pure function concerns_others(self, place)
+    class(tiles_t), intent(in) :: self
+    integer, intent(in) :: place(3)
+    logical :: concerns_others
+
+    if (any(place < 0 .or. place >= self%n)) then
+      concerns_others = all(self%periodic .or. (place >= 0 .and. place < self%n))
+    else
+      concerns_others = self%owner(tile_at(self%n, place)) /= self%comm%rank
+    end if
+  end function concerns_others
+
+  !> Deal the tiles out anew. All ranks take part; weights of the same tile from several ranks are added, so
+  !> parcels may be counted by whichever rank holds them. Owners stay if new ones would not be worth it.
+  subroutine repartition(self, weights, changed)
+    class(tiles_t), intent(inout) :: self
+    real(wp), intent(in) :: weights(:)  !< (total) work in each tile, as far as this rank knows [any unit]
+    logical, intent(out) :: changed     !< whether any tile has another owner now
+
+    real(wp) :: work(self%total)
+    integer :: owner(self%total)
+
+    work = self%comm%sum(weights)
+    owner = dealt_out(self, work, self%owner)
+    changed = any(owner /= self%owner)
+    if (changed) call self%set_owners(owner)
+  end subroutine repartition
+
+  !> New owners, from the root, for work known to all. They keep as much of it in place as they can.
+  function dealt_out(self, work, old) result(owner)
+    class(tiles_t), intent(in) :: self
+    real(wp), intent(in) :: work(:)  !< (total) [any unit]
+    integer, intent(in) :: old(:)    !< (total) ranks
+    integer :: owner(size(old))
+
+    logical :: ok
+
+    associate (ranks => self%comm%size)
+      if (self%comm%is_root()) then
+        call partition_block(self%n, self%periodic, product(self%width)/self%width, work, ranks, owner, ok)
+        if (.not. ok) call give_up(self%comm, 'METIS could not cut the tiles into parts')
+        call relabel(ranks, work, old, owner)
+        if (largest_load(ranks, work, owner) >= worth_it*largest_load(ranks, work, old)) owner = old
+      end if
+    end associate
+    call self%comm%broadcast(owner)
+  end function dealt_out
+
+  !> Largest load of a rank over the mean, from my own load, all ranks taking part; 1 if there is no load.
+  function imbalance_of_load(self, load) result(imbalance)
+    class(tiles_t), intent(in) :: self
+    real(wp), intent(in) :: load  !< any unit
+    real(wp) :: imbalance
+
+    real(wp) :: mean
+
+    mean = self%comm%sum(load)/self%comm%size
+    imbalance = self%comm%max(load)
+    imbalance = merge(imbalance/merge(mean, 1.0_wp, mean > 0), 1.0_wp, mean > 0)
+  end function imbalance_of_load
+
+  !> The same from the work in each tile, as far as this rank knows.
+  function imbalance_of_tiles(self, weights) result(imbalance)
+    class(tiles_t), intent(in) :: self
+    real(wp), intent(in) :: weights(:)  !< (total) any unit
+    real(wp) :: imbalance
+
+    real(wp) :: work(self%total)
+
+    work = self%comm%sum(weights)
+    imbalance = self%imbalance(sum(work, mask=self%owner == self%comm%rank))
+  end function imbalance_of_tiles
+
+  !> Place of a tile in each direction, from 0.
+  pure function place_of(self, tile) result(place)
+    class(tiles_t), intent(in) :: self
+    integer, intent(in) :: tile
+    integer :: place(3)
+
+    place = [modulo(tile - 1, self%n(1)), modulo((tile - 1)/self%n(1), self%n(2)), (tile - 1)/(self%n(1)*self%n(2))]
+  end function place_of
+
+  pure function tile_at(n, place) result(tile)
+    integer, intent(in) :: n(3), place(3)
+    integer :: tile
+
+    tile = 1 + place(1) + n(1)*(place(2) + n(2)*place(3))
+  end function tile_at
+
+  !> Lowest and highest corner of a tile [m]; walls do not count, see above.
+  pure subroutine bounds(self, tile, low, high)
+    class(tiles_t), intent(in) :: self
+    integer, intent(in) :: tile
+    real(wp), intent(out) :: low(3), high(3)
+
+    associate (place => self%place_of(tile))
+      low = self%lower + place*self%width
+      high = self%lower + (place + 1)*self%width
+    end associate
+  end subroutine bounds
+
+  !> The tile a position belongs to; positions beyond a periodic face are those of their image inside.
+  pure function tile_of(self, x) result(tile)
+    class(tiles_t), intent(in) :: self
+    real(wp), intent(in) :: x(3)  !< [m]
+    integer :: tile
+
+    integer :: a, place(3)
+
+    do a = 1, 3
+      place(a) = floor((x(a) - self%lower(a))*self%per_metre(a))
+      if (self%periodic(a)) then
+        place(a) = modulo(place(a), self%n(a))
+      else
+        place(a) = max(0, min(place(a), self%n(a) - 1))
+      end if
+    end do
+    tile = tile_at(self%n, place)
+  end function tile_of
+
+  !> The rank of the tile a position belongs to.
+  pure function owner_of(self, x) result(rank)
+    class(tiles_t), intent(in) :: self
+    real(wp), intent(in) :: x(3)  !< [m]
+    integer :: rank
+
+    rank = self%owner(self%tile_of(x))
+  end function owner_of
+
+  !> Bring a position that has left through a periodic face back to its image inside.
+  pure subroutine wrap(self, x)
+    class(tiles_t), intent(in) :: self
+    real(wp), intent(inout) :: x(3)  !< [m]
+
+    integer :: a
+    real(wp) :: extent
+
+    do a = 1, 3
+      if (.not. self%periodic(a)) cycle
+      if (x(a) >= self%lower(a) .and. x(a) < self%upper(a)) cycle
+      extent = self%upper(a) - self%lower(a)
+      x(a) = x(a) - extent*floor((x(a) - self%lower(a))/extent)
+      ! a position a rounding error below the lower face would land on the upper one
+      if (x(a) >= self%upper(a)) x(a) = self%lower(a)
+    end do
+  end subroutine wrap
+
+  !> Where a parcel of mine must be present as a ghost: every rank, with the shift of the position, that owns a
+  !> tile within `range` of x + shift. At most `most_images` as long as no tile is thinner than the range.
+  subroutine images(self, x, range, rank, shift, count)
+    class(tiles_t), intent(in) :: self
+    real(wp), intent(in) :: x(3)             !< [m]
+    real(wp), intent(in) :: range            !< [m]
+    integer, intent(inout) :: rank(:)        !< (room for the images)
+    real(wp), intent(inout) :: shift(:,:)    !< (3, room for the images) [m]
+    integer, intent(out) :: count
+
+    integer :: from(3), to(3), at(3), i, j, k
+    real(wp) :: gap(3)
+
+    count = 0
+    from = floor((x - self%lower)*self%per_metre)
+    at = max(0, min(from, self%n - 1))
+    if (all(at == from .or. .not. self%periodic)) then
+      if (self%inner(tile_at(self%n, at))) return
+    end if
+    from = floor((x - range - self%lower)*self%per_metre)
+    to = floor((x + range - self%lower)*self%per_metre)
+    where (.not. self%periodic)
+      from = max(0, min(from, self%n - 1))
+      to = max(0, min(to, self%n - 1))
+    end where
+    do k = from(3), to(3)
+      gap(3) = gap_to(self, 3, k, x(3))
+      do j = from(2), to(2)
+        gap(2) = gap_to(self, 2, j, x(2))
+        do i = from(1), to(1)
+          gap(1) = gap_to(self, 1, i, x(1))
+          if (sum(gap**2) <= range**2) call add_image(self, [i, j, k], rank, shift, count)
+        end do
+      end do
+    end do
+  end subroutine images
+
+  !> Distance in direction a from a position to a tile, whose place may lie beyond a periodic face [m].
+  pure function gap_to(self, a, place, x) result(gap)
+    class(tiles_t), intent(in) :: self
+    integer, intent(in) :: a, place
+    real(wp), intent(in) :: x
+    real(wp) :: gap
+
+    gap = 0
+    if (self%periodic(a) .or. place > 0) gap = max(gap, self%lower(a) + place*self%width(a) - x)
+    if (self%periodic(a) .or. place < self%n(a) - 1) gap = max(gap, x - self%lower(a) - (place + 1)*self%width(a))
+  end function gap_to
+
+  !> Note the rank of a place and the shift that brings a parcel there, unless they are listed already.
+  subroutine add_image(self, place, rank, shift, count)
+    class(tiles_t), intent(in) :: self
+    integer, intent(in) :: place(3)
+    integer, intent(inout) :: rank(:), count
+    real(wp), intent(inout) :: shift(:,:)
+
+    integer :: wrapped(3), owner, m
+    real(wp) :: way(3)
+
+    wrapped = modulo(place, self%n)
+    owner = self%owner(tile_at(self%n, wrapped))
+    if (owner == self%comm%rank .and. all(wrapped == place)) return
+    way = ((wrapped - place)/self%n)*(self%upper - self%lower)
+    do m = 1, count
+      if (rank(m) == owner .and. all(abs(shift(:, m) - way) < self%width)) return
+    end do
+    if (count == size(rank)) error stop 'tiles: a parcel has more images than there is room for'
+    count = count + 1
+    rank(count) = owner
+    shift(:, count) = way
+  end subroutine add_image
+
+end module tiles
