@@ -1,0 +1,31 @@
+!> The &gas group: the gas and the state it starts from.
+module gas_settings
+  use case_keys, only: keys_t
+  use kinds, only: wp
+  implicit none
+  private
+  public :: gas_settings_t, declare_gas
+
+  type :: gas_settings_t
+    logical :: present = .false.         !< whether the case has a &gas group at all
+    real(wp) :: density = 1.2_wp         !< [kg/m3]
+    real(wp) :: viscosity = 1.8e-5_wp    !< dynamic [Pa s]
+    real(wp) :: velocity(3) = 0.0_wp     !< at the start, in the voids [m/s]
+    real(wp) :: pressure = 0.0_wp        !< reference, and that of outflows which name none [Pa]
+  end type gas_settings_t
+
+contains
+
+  !> The keys of the open group.
+  subroutine declare_gas(settings, keys)
+    type(gas_settings_t), intent(inout) :: settings
+    type(keys_t), intent(inout) :: keys
+
+    settings%present = keys%has_group('gas')
+    call keys%get('density', settings%density, 'density of the gas [kg/m3]', '(0, inf)')
+    call keys%get('viscosity', settings%viscosity, 'dynamic viscosity of the gas [Pa s]', '(0, inf)')
+    call keys%get('velocity', settings%velocity, 'velocity in the voids at the start [m/s]')
+    call keys%get('pressure', settings%pressure, 'reference pressure, and that of outflows that name none [Pa]')
+  end subroutine declare_gas
+
+end module gas_settings

@@ -1,0 +1,262 @@
+!> Mistakes that no group shows alone: whether the parts of a case fit together.
+module case_checks
+  use boundary_settings, only: boundary_settings_t
+  use case, only: case_t
+  use case_keys, only: keys_t
+  use constants, only: is_set
+  use kinds, only: wp
+  use outcome, only: outcome_t
+  use parcel_plan, only: parcel_plan_t, new_parcel_plan
+  use text, only: shown
+  implicit none
+  private
+  public :: check_case
+
+  real(wp), parameter :: closeness = 1.0e-6_wp      !< of a cell or the domain: what counts as lying on a plane
+  real(wp), parameter :: fullest = 0.64_wp          !< solids fraction of random close packing of equal spheres
+
+contains
+
+  !> Add to keys%problems; keys that are missing or wrong are passed over here, they are known already.
+  subroutine check_case(case, keys)
+    type(case_t), intent(in) :: case
+    type(keys_t), intent(inout) :: keys
+
+    logical :: domain_known
+
+    call keys%problems%require(case%with_gas .or. case%with_parcels, &
+                               keys%file%path//': there is neither &gas nor &parcels: nothing to compute')
+    associate (domain => case%domain)
+      domain_known = all(is_set([domain%lower, domain%upper]))
+      if (domain_known) domain_known = all(domain%upper > domain%lower)
+    end associate
+    call check_flow(case, keys)
+    if (case%with_gas .and. is_set(case%run%end_time)) then
+      call keys%require_at(case%gas_numerics%time_step <= case%run%end_time, 'run', 1, 'end_time', &
+                           'is less than one time_step of &numerics, '//shown(case%gas_numerics%time_step)//' s')
+    end if
+    if (.not. domain_known) return
+    call check_regions(case, keys)
+    call check_monitors(case, keys)
+    call check_fills(case, keys)
+  end subroutine check_case
+
+  !> An incompressible gas that flows in must flow out.
+  subroutine check_flow(case, keys)
+    type(case_t), intent(in) :: case
+    type(keys_t), intent(inout) :: keys
+
+    integer :: i
+
+    if (any([(case%boundaries(i)%kind == 'outflow', i=1, size(case%boundaries))])) return
+    do i = 1, size(case%boundaries)
+      if (case%boundaries(i)%kind /= 'inflow') cycle
+      call keys%require_at(.false., 'boundary', i, 'kind', 'gas flows in, but no boundary is an outflow')
+      return
+    end do
+  end subroutine check_flow
+
+  !> Every region lies on the surface, and no two on the same part of it.
+  subroutine check_regions(case, keys)
+    type(case_t), intent(in) :: case
+    type(keys_t), intent(inout) :: keys
+
+    integer :: i, j, side
+    logical :: on(6, size(case%boundaries))
+
+    on = .false.
+    do i = 1, size(case%boundaries)
+      if (.not. has_box(case%boundaries(i)%lower, case%boundaries(i)%upper)) cycle
+      on(:, i) = [(is_on_side(case, case%boundaries(i), side), side=1, 6)]
+      call keys%require_at(any(on(:, i)), 'boundary', i, '', 'touches no face of the domain, or not the middle of a cell''s')
+      call keys%require_at(.not. any(on(:, i)) .or. any(on(:, i) .and. .not. [case%domain%periodic, case%domain%periodic]), &
+                           'boundary', i, '', 'lies on a periodic face')
+      do j = 1, i - 1
+        call keys%require_at(.not. any([(overlap(case, i, j, side), side=1, 6)] .and. on(:, i) .and. on(:, j)), &
+                             'boundary', i, '', 'overlaps &boundary('//trim(case%boundaries(j)%id)//')')
+      end do
+    end do
+  end subroutine check_regions
+
+  !> Whether a region has an area on a side: 1 to 3 the low x, y, z, 4 to 6 the high ones. With a grid, the
+  !> middle of a cell's face must be in it.
+  pure function is_on_side(case, region, side) result(on)
+    type(case_t), intent(in) :: case
+    type(boundary_settings_t), intent(in) :: region
+    integer, intent(in) :: side
+    logical :: on
+
+    integer :: a, b
+    real(wp) :: plane, near, h, first
+
+    a = merge(side, side - 3, side <= 3)
+    associate (domain => case%domain)
+      plane = merge(domain%lower(a), domain%upper(a), side <= 3)
+      near = closeness*(domain%upper(a) - domain%lower(a))/max(1, domain%cells(a))
+      on = region%lower(a) <= plane + near .and. region%upper(a) >= plane - near
+      do b = 1, 3
+        if (b == a) cycle
+        on = on .and. min(region%upper(b), domain%upper(b)) > max(region%lower(b), domain%lower(b))
+        if (domain%cells(b) == 0 .or. .not. on) cycle
+        h = (domain%upper(b) - domain%lower(b))/domain%cells(b)
+        first = domain%lower(b) + (max(0, ceiling((region%lower(b) - domain%lower(b))/h - 0.5_wp)) + 0.5_wp)*h
+        on = on .and. first <= min(region%upper(b), domain%upper(b))
+      end do
+    end associate
+  end function is_on_side
+
+  !> Whether two regions, both on a side, share an area of it.
+  pure function overlap(case, i, j, side)
+    type(case_t), intent(in) :: case
+    integer, intent(in) :: i, j, side
+    logical :: overlap
+
+    integer :: a, b
+
+    a = merge(side, side - 3, side <= 3)
+    overlap = has_box(case%boundaries(j)%lower, case%boundaries(j)%upper)
+    do b = 1, 3
+      if (b == a .or. .not. overlap) cycle
+      overlap = min(case%boundaries(i)%upper(b), case%boundaries(j)%upper(b)) &
+                - max(case%boundaries(i)%lower(b), case%boundaries(j)%lower(b)) &
+                > closeness*(case%domain%upper(b) - case%domain%lower(b))
+    end do
+  end function overlap
+
+  subroutine check_monitors(case, keys)
+    type(case_t), intent(in) :: case
+    type(keys_t), intent(inout) :: keys
+
+    integer :: i
+
+    do i = 1, size(case%monitors)
+      if (.not. has_box(case%monitors(i)%lower, case%monitors(i)%upper)) cycle
+      call keys%require_at(is_inside(case, case%monitors(i)%lower, case%monitors(i)%upper), 'monitor', i, '', &
+                           'reaches out of the domain')
+    end do
+  end subroutine check_monitors
+
+  subroutine check_fills(case, keys)
+    type(case_t), intent(in) :: case
+    type(keys_t), intent(inout) :: keys
+
+    type(parcel_plan_t) :: plans(size(case%fills))
+    integer :: i
+
+    do i = 1, size(case%fills)
+      associate (fill => case%fills(i))
+        if (has_box(fill%lower, fill%upper)) call keys%require_at(is_inside(case, fill%lower, fill%upper), 'fill', i, '', &
+                                                                  'reaches out of the domain')
+      end associate
+      call make_plan(case, i, plans(i), keys)
+      if (plans(i)%known) call check_sizes(case, i, plans(i), keys)
+    end do
+    do i = 1, size(case%fills)
+      if (plans(i)%known) call check_room(case, i, plans, keys)
+    end do
+  end subroutine check_fills
+
+  subroutine make_plan(case, i, plan, keys)
+    type(case_t), intent(in) :: case
+    integer, intent(in) :: i
+    type(parcel_plan_t), intent(out) :: plan
+    type(keys_t), intent(inout) :: keys
+
+    type(outcome_t) :: outcome
+    integer :: known
+
+    known = keys%problems%count()
+    call new_parcel_plan(case, i, plan, outcome)
+    ! What made it fail is most often a key that has been told of already.
+    if (outcome%failed() .and. known == 0) call keys%require_at(.false., 'powder', case%fills(i)%powder, '', outcome%message)
+  end subroutine make_plan
+
+  !> Parcels must fit into the domain, their box and a gas cell, and stand for at least one particle.
+  subroutine check_sizes(case, i, plan, keys)
+    type(case_t), intent(in) :: case
+    integer, intent(in) :: i
+    type(parcel_plan_t), intent(in) :: plan
+    type(keys_t), intent(inout) :: keys
+
+    real(wp) :: largest, width(3)
+    character(len=:), allocatable :: key, size_text
+
+    key = 'weighting'
+    if (case%parcels%weighting == 'ssp') key = 'diameter'
+    if (case%parcels%weighting == 'ssw') key = 'weight'
+    largest = plan%diameter(2)
+    size_text = shown_short(largest)//' m wide'
+    width = case%domain%upper - case%domain%lower
+    call keys%require_at(plan%mean_weight > 1 - closeness, 'parcels', 1, key, &
+                         'parcels of &fill('//trim(case%fills(i)%id)//') hold less than one particle, ' &
+                         //shown_short(plan%mean_weight)//' on average')
+    call keys%require_at(all(largest <= width), 'parcels', 1, key, &
+                         'parcels are up to '//size_text//', wider than the domain: '//shown_short(minval(width))//' m')
+    if (any(largest > width)) return
+    associate (fill => case%fills(i))
+      if (has_box(fill%lower, fill%upper)) call keys%require_at(all(largest <= fill%upper - fill%lower), 'fill', i, '', &
+                                                                'its parcels are up to '//size_text//', wider than the box')
+    end associate
+    if (any(case%domain%cells == 0)) return
+    width = width/case%domain%cells
+    call keys%require_at(all(largest <= width), 'grid', 1, 'cells', 'parcels of &fill('//trim(case%fills(i)%id) &
+                         //') are up to '//size_text//', wider than a cell: '//shown_short(minval(width))//' m')
+  end subroutine check_sizes
+
+  !> A box, with the other fills that lie in it, is not fuller than spheres can be packed.
+  subroutine check_room(case, i, plans, keys)
+    type(case_t), intent(in) :: case
+    integer, intent(in) :: i
+    type(parcel_plan_t), intent(in) :: plans(:)
+    type(keys_t), intent(inout) :: keys
+
+    real(wp) :: fraction
+    character(len=:), allocatable :: key
+    logical :: inside(size(plans))
+    integer :: j
+
+    associate (box => case%fills(i))
+      if (.not. has_box(box%lower, box%upper)) return
+      inside = [(all(case%fills(j)%lower >= box%lower) .and. all(case%fills(j)%upper <= box%upper) .and. plans(j)%known, &
+                 j=1, size(plans))]
+      fraction = sum(plans%volume, mask=inside)/product(box%upper - box%lower)
+      key = 'number'
+      if (is_set(box%mass)) key = 'mass'
+    end associate
+    call keys%require_at(fraction <= fullest, 'fill', i, key, 'does not fit: solids would fill '//shown_short(fraction) &
+                         //' of the box, and at most '//shown(fullest)//' can be packed')
+  end subroutine check_room
+
+  pure function has_box(lower, upper)
+    real(wp), intent(in) :: lower(3), upper(3)  !< [m]
+    logical :: has_box
+
+    has_box = all(is_set(lower)) .and. all(is_set(upper))
+    if (has_box) has_box = all(upper >= lower)
+  end function has_box
+
+  pure function is_inside(case, lower, upper) result(inside)
+    type(case_t), intent(in) :: case
+    real(wp), intent(in) :: lower(3), upper(3)  !< [m]
+    logical :: inside
+
+    real(wp) :: near(3)
+
+    near = closeness*(case%domain%upper - case%domain%lower)
+    inside = all(lower >= case%domain%lower - near) .and. all(upper <= case%domain%upper + near)
+  end function is_inside
+
+  !> To four digits.
+  pure function shown_short(x) result(text)
+    real(wp), intent(in) :: x
+    character(len=:), allocatable :: text
+
+    character(len=16) :: buffer
+    real(wp) :: rounded
+
+    write (buffer, '(es12.3)') x
+    read (buffer, *) rounded
+    text = shown(rounded)
+  end function shown_short
+
+end module case_checks

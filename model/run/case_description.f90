@@ -1,0 +1,241 @@
+!> What a case is and what that implies, in a few lines for --check and the start of a run.
+module case_description
+  use case, only: case_t
+  use constants, only: is_set
+  use kinds, only: wp
+  use outcome, only: outcome_t
+  use parcel_plan, only: parcel_plan_t, new_parcel_plan
+  use text, only: shown
+  implicit none
+  private
+  public :: describe_case
+
+contains
+
+  !> For a case without mistakes.
+  subroutine describe_case(case, unit)
+    type(case_t), intent(in) :: case
+    integer, intent(in) :: unit
+
+    call line(unit, 'case', trim(case%file//' '//trim(case%run%title)))
+    call line(unit, 'run', 'to '//shown(case%run%end_time)//' s')
+    if (is_set(case%run%wall_clock_limit)) call line(unit, '', 'stops with a restart file after ' &
+                                                     //shown(case%run%wall_clock_limit)//' s of real time')
+    call line(unit, 'domain', by(case%domain%upper - case%domain%lower)//' m, gravity '//shown(case%domain%gravity)//' m/s2')
+    if (any(case%domain%periodic)) call line(unit, '', 'periodic in '//axes(case%domain%periodic))
+    call describe_gas(case, unit)
+    call describe_boundaries(case, unit)
+    call describe_parcels(case, unit)
+    call describe_output(case, unit)
+  end subroutine describe_case
+
+  subroutine describe_gas(case, unit)
+    type(case_t), intent(in) :: case
+    integer, intent(in) :: unit
+
+    real(wp) :: steps
+
+    if (.not. case%with_gas) then
+      call line(unit, 'gas', 'none: no grid, no drag')
+      return
+    end if
+    associate (domain => case%domain, step => case%gas_numerics%time_step)
+      call line(unit, 'gas', shown(case%gas%density)//' kg/m3, '//shown(case%gas%viscosity)//' Pa s')
+      call line(unit, 'grid', by(real(domain%cells, wp))//' = '//shown(product(domain%cells))//' cells of ' &
+                //by((domain%upper - domain%lower)/domain%cells)//' m')
+      if (any(domain%cells == 1)) call line(unit, '', 'no flow in '//axes(domain%cells == 1)// &
+                                            ', unless periodic: one cell across')
+      steps = case%run%end_time/step
+      call line(unit, 'gas steps', brief(steps)//' of '//shown(step)//' s, as given; halved up to ' &
+                //shown(case%gas_numerics%maximum_halvings)//' times where one does not converge')
+    end associate
+  end subroutine describe_gas
+
+  subroutine describe_boundaries(case, unit)
+    type(case_t), intent(in) :: case
+    integer, intent(in) :: unit
+
+    character(len=:), allocatable :: text
+    integer :: i
+
+    do i = 1, size(case%boundaries)
+      associate (region => case%boundaries(i))
+        text = trim(region%id)//':'
+        if (case%with_gas) text = text//' '//trim(region%kind)
+        if (is_set(region%velocity)) text = text//' at '//shown(region%velocity)//' m/s'
+        if (is_set(region%mass_flow)) text = text//' of '//shown(region%mass_flow)//' kg/s'
+        if (region%kind == 'outflow') text = text//' at '//shown(merge(region%pressure, case%gas%pressure, &
+                                                                       is_set(region%pressure)))//' Pa'
+        if (region%parcels == 'open') text = text//' open to parcels'
+        call line(unit, 'boundary', text)
+      end associate
+    end do
+    if (.not. all(case%domain%periodic)) call line(unit, '', 'the rest of the surface: wall')
+  end subroutine describe_boundaries
+
+  subroutine describe_parcels(case, unit)
+    type(case_t), intent(in) :: case
+    integer, intent(in) :: unit
+
+    type(parcel_plan_t) :: plan
+    type(outcome_t) :: outcome
+    real(wp) :: shortest
+    integer :: i
+
+    if (.not. case%with_parcels) then
+      call line(unit, 'parcels', 'none: gas alone')
+      return
+    end if
+    call line(unit, 'parcels', weighting_words(case)//'; seed '//shown(case%parcels%seed))
+    shortest = huge(shortest)
+    do i = 1, size(case%fills)
+      call new_parcel_plan(case, i, plan, outcome)
+      call describe_fill(case, i, plan, unit)
+      if (plan%known) shortest = min(shortest, plan%contact_time)
+    end do
+    call describe_contact(case, shortest, unit)
+    if (case%with_gas) call line(unit, 'coupling', 'drag of '//trim(case%coupling%drag)//'; the gas sees a void fraction of ' &
+                                 //shown(case%coupling%minimum_void_fraction)//' or more')
+  end subroutine describe_parcels
+
+  pure function weighting_words(case) result(words)
+    type(case_t), intent(in) :: case
+    character(len=:), allocatable :: words
+
+    associate (settings => case%parcels)
+      select case (settings%weighting)
+      case ('ssw')
+        words = 'ssw: each stands for '//shown(settings%weight)//' particles'
+      case ('ssp')
+        words = 'ssp: each is '//shown(settings%diameter)//' m wide'
+      case ('blend')
+        words = 'blend: each stands for '//shown(settings%weight)//' ('//shown(settings%reference_diameter)//'/d)**' &
+                //shown(3*settings%blend_exponent)//' particles'
+      case default
+        words = 'dem: each is one particle'
+      end select
+    end associate
+  end function weighting_words
+
+  subroutine describe_fill(case, i, plan, unit)
+    type(case_t), intent(in) :: case
+    integer, intent(in) :: i
+    type(parcel_plan_t), intent(in) :: plan
+    integer, intent(in) :: unit
+
+    associate (fill => case%fills(i), powder => case%powders(case%fills(i)%powder))
+      if (.not. plan%known) then
+        call line(unit, 'fill', trim(fill%id)//': parcels of '//trim(powder%id)//' from '//trim(fill%file))
+        return
+      end if
+      call line(unit, 'fill', trim(fill%id)//': about '//brief(plan%parcels)//' parcels, '// &
+                brief(plan%volume*powder%density)//' kg of '//trim(powder%id)//', solids ' &
+                //brief(plan%volume/product(fill%upper - fill%lower))//' of the box')
+      call line(unit, '', trim(powder%id)//': '//trim(powder%distribution)//', mean diameter by number ' &
+                //brief(plan%means(1))//', by mass '//brief(plan%means(2))//', Sauter '//brief(plan%means(3))//' m')
+      call line(unit, '', 'particles '//range_of(plan%particle)//' m, parcels '//range_of(plan%diameter) &
+                //' m wide, of '//range_of(plan%weight)//' particles')
+    end associate
+  end subroutine describe_fill
+
+  subroutine describe_contact(case, shortest, unit)
+    type(case_t), intent(in) :: case
+    real(wp), intent(in) :: shortest  !< collision [s]; huge if not known
+    integer, intent(in) :: unit
+
+    real(wp) :: step
+
+    associate (contact => case%contact)
+      call line(unit, 'contact', 'linear spring '//shown(contact%stiffness)//' N/m, restitution '//shown(contact%restitution) &
+                //' for every pair')
+      if (contact%friction > 0) then
+        call line(unit, '', 'friction '//shown(contact%friction)//': parcels rotate, contacts remember their slip')
+      else
+        call line(unit, '', 'no friction: no rotation, no memory of contacts')
+      end if
+    end associate
+    if (.not. shortest < huge(shortest)) return
+    step = shortest/case%des%steps_per_collision
+    step = case%gas_numerics%time_step/ceiling(case%gas_numerics%time_step/step)
+    call line(unit, 'solids steps', brief(case%run%end_time/step)//' of '//brief(step)//' s, '// &
+              shown(case%des%steps_per_collision)//' or more in the shortest collision, '//brief(shortest)//' s')
+  end subroutine describe_contact
+
+  subroutine describe_output(case, unit)
+    type(case_t), intent(in) :: case
+    integer, intent(in) :: unit
+
+    integer :: i
+
+    associate (output => case%output)
+      call line(unit, 'output', trim(output%folder)//every(', parcels', output%parcels_interval)// &
+                every(', gas', output%gas_interval)//every(', restart', output%restart_interval)// &
+                every(', monitors', output%monitor_interval))
+    end associate
+    do i = 1, size(case%monitors)
+      associate (monitor => case%monitors(i))
+        call line(unit, 'monitor', trim(monitor%id)//': '//trim(monitor%quantity)//' in a '//trim(monitor%kind) &
+                  //every('', monitor%interval))
+      end associate
+    end do
+  end subroutine describe_output
+
+  pure function every(what, interval) result(words)
+    character(len=*), intent(in) :: what
+    real(wp), intent(in) :: interval  !< [s]
+    character(len=:), allocatable :: words
+
+    words = ''
+    if (is_set(interval)) words = what//' every '//shown(interval)//' s'
+  end function every
+
+  !> 'x x y x z'
+  pure function by(x) result(words)
+    real(wp), intent(in) :: x(3)
+    character(len=:), allocatable :: words
+
+    words = brief(x(1))//' x '//brief(x(2))//' x '//brief(x(3))
+  end function by
+
+  pure function axes(flag) result(words)
+    logical, intent(in) :: flag(3)
+    character(len=:), allocatable :: words
+
+    integer :: a
+
+    words = ''
+    do a = 1, 3
+      if (flag(a)) words = words//' '//'xyz' (a:a)
+    end do
+    words = trim(adjustl(words))
+  end function axes
+
+  pure function range_of(x) result(words)
+    real(wp), intent(in) :: x(2)
+    character(len=:), allocatable :: words
+
+    words = brief(x(1))
+    if (brief(x(2)) /= words) words = words//' to '//brief(x(2))
+  end function range_of
+
+  !> Five digits are enough to read.
+  pure function brief(x) result(words)
+    real(wp), intent(in) :: x
+    character(len=:), allocatable :: words
+
+    character(len=16) :: buffer
+    real(wp) :: rounded
+
+    write (buffer, '(es12.4)') x
+    read (buffer, *) rounded
+    words = shown(rounded)
+  end function brief
+
+  subroutine line(unit, head, words)
+    integer, intent(in) :: unit
+    character(len=*), intent(in) :: head, words
+
+    write (unit, '(a,t15,a)') head, words
+  end subroutine line
+
+end module case_description
