@@ -1,51 +1,141 @@
 # make            build build/geldart
 # make run        install what is missing, build, run the Geldart B bed, draw it
 # make test       all tests
-# make help       the other targets and the variables to set on a cluster
-MODE ?= release
-ARCH ?= native
+# make help       the other targets, and the variables to set on a cluster
+VERSION = 0.1.0
+
+# What differs between machines. On a cluster: on the command line, or in a file config.mk here.
+MODE  ?= release
+ARCH  ?= native
 RANKS ?= 2
+JOBS  ?= $(shell nproc)
+-include config.mk
 
-FC           = mpifort
-HDF5_CFLAGS  = $(shell pkg-config --cflags-only-I hdf5-openmpi 2>/dev/null)
-HDF5_LIBS    = $(shell pkg-config --libs-only-L hdf5-openmpi 2>/dev/null) -lhdf5_fortran -lhdf5
-METIS_LIBS   = -lmetis
-HYPRE_LIBS   = -lHYPRE
-LIBS         = $(HDF5_LIBS) $(METIS_LIBS) $(HYPRE_LIBS)
+FC          = mpifort
+HDF5_CFLAGS = $(shell pkg-config --cflags-only-I hdf5-openmpi 2>/dev/null)
+HDF5_LIBS   = $(shell pkg-config --libs-only-L hdf5-openmpi 2>/dev/null) -lhdf5_fortran -lhdf5
+METIS_LIBS  = -lmetis
+HYPRE_LIBS  = -lHYPRE
+LIBS        = $(HDF5_LIBS) $(METIS_LIBS) $(HYPRE_LIBS)
+MPIRUN      = mpirun
+PYTHON      = python3
+VENV        = .venv
 
-STANDARD     = -std=f2008 -g -fopenmp-simd -Wall -Wextra -Wpedantic
-release_FLAGS = -O3 -march=$(ARCH) -flto=auto
+# Objects carry machine code beside what link-time optimization reads (fat), so that the many test
+# programs link in a moment and only the programs whose speed matters are optimized as a whole.
+STANDARD      = -std=f2008 -g -fopenmp-simd -Wall -Wextra -Wpedantic
+release_FLAGS = -O3 -march=$(ARCH) -flto=auto -ffat-lto-objects
 debug_FLAGS   = -O0 -fcheck=all -ffpe-trap=invalid,zero,overflow -finit-real=snan -Werror
-FFLAGS       = $(STANDARD) $($(MODE)_FLAGS)
+FFLAGS        = $(STANDARD) $($(MODE)_FLAGS)
 
 B       := build/$(MODE)
 SRC     := $(shell find src model -name '*.f90' | LC_ALL=C sort)
-UNIT    := $(shell find tests -name '*.f90' | LC_ALL=C sort)
-TESTS   := $(patsubst %.f90,$(B)/%,$(shell find tests -name 'test_*.f90' | LC_ALL=C sort))
+CHECKS  := $(shell find tests -name '*.f90' | LC_ALL=C sort)
+TESTS   := $(foreach f,$(CHECKS),$(if $(filter test_%,$(notdir $f)),$(f:%.f90=$(B)/%)))
+BENCHES := $(patsubst %.f90,$(B)/%,$(filter tests/bench/bench_%.f90,$(CHECKS)))
+TEXTS    = $(sort $(wildcard src/build/* doc/*.md cases/*.py cases/*/*.md cases/*/*.py cases/*/*.nml tests/*.py tests/*/*.py tests/*/*.nml))
+LAYERS   = src/base src/parallel src/grid src/linear src/io model/gas,model/des,model/psd model/coupling model/run src
+BED      = cases/geldart_b_bed
+LAUNCH   = MPIRUN='$(MPIRUN)' sh src/build/launch.sh
+BAR      = $(shell [ -t 2 ] && echo bar || echo lines)
 
-build: build/geldart
+ifeq (0,$(MAKELEVEL)$(filter -j%,$(MAKEFLAGS)))
+MAKEFLAGS += -j$(JOBS)
+endif
 
-build/geldart: $(B)/src/geldart
-	@ln -sf $(MODE)/src/geldart $@
+build: $(B)/src/geldart
+	@ln -sfn $(MODE)/src/geldart build/geldart
+
+build/geldart: build ;
+
+unit: $(TESTS)
+
+# --- compiling ---------------------------------------------------------------------------------
+
+$(B)/tests/%: LINK = -fno-lto
+$(B)/tests/bench/%: LINK =
 
 $(B)/%: $(B)/%.o
-	$(FC) $(FFLAGS) -o $@ $(filter %.o,$^) $(LIBS)
+	$(FC) $(FFLAGS) $(LINK) -o $@ $(filter %.o,$^) $(LIBS)
 
-$(B)/%.o: %.f90
+$(B)/%.o: %.f90 $(B)/flags
 	@mkdir -p $(@D)
 	$(FC) $(FFLAGS) $(HDF5_CFLAGS) -J$(B) -c -o $@ $<
 
-$(B)/deps.mk: $(SRC) $(UNIT) src/build/deps.awk
-	@mkdir -p $(B)
-	@awk -v B=$(B) -f src/build/deps.awk $(SRC) $(UNIT) | LC_ALL=C sort > $@
+$(B)/version.o: $(B)/version.f90
+	$(FC) $(FFLAGS) -J$(B) -c -o $@ $<
 
-unit: $(TESTS)
+# Both are rewritten only when their content changes, so nothing is compiled in vain.
+$(B)/version.f90: always
+	@sh src/build/version.sh $@ $(VERSION) $(MODE)
+
+$(B)/flags: always
+	@mkdir -p $(B); echo '$(FC) $(FFLAGS) $(HDF5_CFLAGS)' | cmp -s - $@ || echo '$(FC) $(FFLAGS) $(HDF5_CFLAGS)' > $@
+
+$(B)/deps.mk: $(SRC) $(CHECKS) src/build/deps.awk | $(B)/version.f90
+	@awk -v B=$(B) -f src/build/deps.awk $(SRC) $(CHECKS) $(B)/version.f90 | LC_ALL=C sort > $@
+
+# --- installing --------------------------------------------------------------------------------
+
+deps:
+	@FC='$(FC)' CFLAGS='$(HDF5_CFLAGS)' LIBS='$(LIBS)' PYTHON='$(PYTHON)' VENV='$(VENV)' sh src/build/deps.sh
+	@$(MAKE) --no-print-directory -s venv
+
+venv: $(VENV)/complete
+$(VENV)/complete: tests/requirements.txt
+	@echo "making $(VENV): Python packages for tests and pictures"
+	@$(PYTHON) -m venv --clear $(VENV)
+	@$(VENV)/bin/python -m pip install -q --disable-pip-version-check -r tests/requirements.txt
+	@touch $@
+
+# --- running -----------------------------------------------------------------------------------
+
+run: deps
+	@$(MAKE) --no-print-directory -s build
+	@$(LAUNCH) $(RANKS) build/geldart $(BED)/case.nml --out $(BED)/results --force --set output%progress=$(BAR)
+	@$(VENV)/bin/python $(BED)/validate.py
+
+compare: deps
+	@$(MAKE) --no-print-directory -s build
+	@for run in dem ssw ssp; do \
+	  $(LAUNCH) $(RANKS) build/geldart cases/compare/case.nml --set parcels%weighting=$$run \
+	    --out cases/compare/results/$$run --force --set output%progress=$(BAR) || exit; done
+	@$(VENV)/bin/python cases/compare/compare.py
+
+validate: venv
+	@status=0; for case in cases/*/validate.py; do \
+	  if [ -d $$(dirname $$case)/results ]; then $(VENV)/bin/python $$case || status=1; \
+	  else echo "$$(dirname $$case): no results yet, see its README.md"; fi; done; exit $$status
+
+# --- proving -----------------------------------------------------------------------------------
+
+test: deps
+	@$(MAKE) --no-print-directory -s lint
+	@$(MAKE) --no-print-directory -s MODE=release build unit
+	@$(MAKE) --no-print-directory -s MODE=debug build/debug/src/geldart unit
+	@$(VENV)/bin/python -m pytest -n $(JOBS) tests
+
+lint: venv
+	@status=0; \
+	awk -v ORDER="$(LAYERS)" -f src/build/layers.awk $(SRC) || status=1; \
+	awk -f src/build/style.awk $(SRC) $(CHECKS) Makefile README.md $(TEXTS) || status=1; \
+	$(VENV)/bin/fortitude check --quiet --output-format concise src model tests || status=1; \
+	exit $$status
+
+bench: venv
+	@$(MAKE) --no-print-directory -s bench_programs
+	@$(VENV)/bin/python tests/bench/run.py $(B) build/bench.json
+
+bench_programs: $(BENCHES)
 
 clean:
 	rm -rf build
 
-.PHONY: build unit clean
+help:
+	@sh src/build/help.sh
+
+.PHONY: build build/geldart unit deps venv run compare validate test lint bench bench_programs clean help always
 .SECONDARY:
-ifneq ($(MAKECMDGOALS),clean)
+ifneq (,$(filter-out deps venv run compare validate test lint bench clean help,$(or $(MAKECMDGOALS),build)))
 include $(B)/deps.mk
 endif

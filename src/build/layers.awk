@@ -7,7 +7,10 @@ BEGIN {
 }
 FNR == 1 { dir = FILENAME; sub(/\/[^\/]*$/, "", dir); if (!(dir in rank)) { print dir ": no layer of that name"; bad = 1; rank[dir] = 0 } }
 { line = tolower($0); sub(/!.*/, "", line); gsub(/[(),:]+/, " ", line); m = split(line, t, " ") }
-m == 2 && t[1] == "module" { home[t[2]] = dir }
+m == 2 && t[1] == "module" {
+  if (t[2] in home) { print FILENAME ": " home[t[2]] " has a module " t[2] " too"; bad = 1 }
+  home[t[2]] = dir
+}
 m >= 2 && t[1] == "use" && t[2] != "intrinsic" { c++; who[c] = FILENAME ":" FNR; from[c] = dir; what[c] = t[2] }
 END {
   for (i = 1; i <= c; i++) {

@@ -1,0 +1,90 @@
+!> A lattice of boxes that parcels are sorted into, so that near parcels are near in memory.
+!>
+!> The lattice spans the parcels it is made for. Bins are counted x fastest: those of one line along x follow
+!> each other, so that the neighbours of a parcel lie in a few runs of columns.
+module bins
+  use kinds, only: wp
+  implicit none
+  private
+  public :: bins_t
+
+  type :: bins_t
+    real(wp) :: lower(3)          !< lowest corner [m]
+    real(wp) :: per_edge(3)       !< inverse of the edges of a bin [1/m]
+    integer :: n(3)               !< bins in each direction
+    integer, allocatable :: first(:)  !< (product(n)+1) place of the first parcel of each bin in the sorted order
+  contains
+    procedure :: span
+    procedure :: bin_of
+    procedure :: sort
+  end type bins_t
+
+contains
+
+  !> Lay the lattice over a box, with edges of at least `edge` and about as many bins as parcels at most.
+  pure subroutine span(self, lower, upper, edge, parcels)
+    class(bins_t), intent(inout) :: self
+    real(wp), intent(in) :: lower(3), upper(3)  !< [m]
+    real(wp), intent(in) :: edge                !< [m]
+    integer, intent(in) :: parcels
+
+    integer, parameter :: bins_per_parcel = 4, fewest = 64
+    real(wp) :: size_of_bin
+
+    self%lower = lower
+    size_of_bin = edge
+    do
+      self%n = max(1, int(min((upper - lower)/size_of_bin, 1.0e6_wp)))
+      if (product(real(self%n, wp)) <= real(max(fewest, bins_per_parcel*parcels), wp)) exit
+      size_of_bin = 1.26_wp*size_of_bin
+    end do
+    self%per_edge = self%n/max(upper - lower, size_of_bin)
+    if (allocated(self%first)) then
+      if (size(self%first) /= product(self%n) + 1) deallocate (self%first)
+    end if
+    if (.not. allocated(self%first)) allocate (self%first(product(self%n) + 1))
+  end subroutine span
+
+  !> The bin of a point, counted from 0 in each direction.
+  pure function bin_of(self, x) result(bin)
+    class(bins_t), intent(in) :: self
+    real(wp), intent(in) :: x(3)  !< [m]
+    integer :: bin(3)
+
+    bin = min(max(int((x - self%lower)*self%per_edge), 0), self%n - 1)
+  end function bin_of
+
+  !> The order that sorts the given columns of `state` by bin; equals keep their order.
+  pure subroutine sort(self, state, start, order)
+    class(bins_t), intent(inout) :: self
+    real(wp), intent(in), contiguous :: state(:,:)  !< 1:3 position [m]
+    integer, intent(in) :: start                    !< column before the first to sort
+    integer, intent(out) :: order(:)                !< columns, counted from `start`, in their new order
+
+    integer :: i, b, next, count, place(size(order)), bin(3)
+
+    self%first = 0
+    do i = 1, size(order)
+      bin = self%bin_of(state(1:3, start + i))
+      b = 1 + bin(1) + self%n(1)*(bin(2) + self%n(2)*bin(3))
+      place(i) = b
+      self%first(b) = self%first(b) + 1
+    end do
+    next = 1
+    do b = 1, size(self%first)
+      count = self%first(b)
+      self%first(b) = next
+      next = next + count
+    end do
+    do i = 1, size(order)
+      b = place(i)
+      order(self%first(b)) = i
+      self%first(b) = self%first(b) + 1
+    end do
+    do b = size(self%first), 2, -1
+      self%first(b) = self%first(b - 1)
+    end do
+    self%first(1) = 1
+  end subroutine sort
+
+end module bins

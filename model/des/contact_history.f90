@@ -1,0 +1,179 @@
+!> The slips of all contacts, while the list that held them is made anew.
+!>
+!> A record belongs to a parcel of mine; it names the partner by its column as long as that is mine as well, and
+!> by its id otherwise. A pair whose partners are mine has one record; a pair with a ghost has one on either side.
+!> Faces of the chamber are partners with the id -face.
+module contact_history
+  use contact_list, only: contact_list_t
+  use kinds, only: wp, i8
+  use parcels, only: parcels_t
+  use walls, only: wall_list_t
+  implicit none
+  private
+  public :: history_t
+
+  type :: history_t
+    integer :: n = 0
+    integer, allocatable :: own(:)          !< (n at least) column of my parcel
+    integer, allocatable :: other(:)        !< column of the partner, 0 if it is not mine
+    integer(i8), allocatable :: other_id(:) !< id of the partner, where `other` is 0
+    real(wp), allocatable :: slip(:,:)      !< (3, n at least) from my parcel to the partner [m]
+  contains
+    procedure :: collect
+    procedure :: follow
+    procedure :: restore
+    procedure :: append
+    procedure :: clear
+  end type history_t
+
+contains
+
+  subroutine clear(self)
+    class(history_t), intent(inout) :: self
+
+    self%n = 0
+    if (.not. allocated(self%own)) call resize(self, 64)
+  end subroutine clear
+
+  !> Record all contacts that touched in the last step.
+  subroutine collect(self, list, walls, parcels, step)
+    class(history_t), intent(inout) :: self
+    type(contact_list_t), intent(in) :: list
+    type(wall_list_t), intent(in) :: walls
+    type(parcels_t), intent(in) :: parcels
+    real(wp), intent(in) :: step  !< number of the last step
+
+    integer :: i, j, k, w
+
+    call self%clear()
+    if (size(self%own) < list%entries + walls%entries) call resize(self, list%entries + walls%entries)
+    do i = 1, list%rows
+      do k = list%first(i), list%first(i + 1) - 1
+        if (list%slip(4, k) < step - 0.5_wp) cycle
+        j = list%partner(k)
+        if (j <= parcels%n) then
+          call self%append(i, j, 0_i8, list%slip(1:3, k))
+        else
+          call self%append(i, 0, parcels%id(j), list%slip(1:3, k))
+        end if
+      end do
+    end do
+    do w = 1, walls%entries
+      if (walls%slip(4, w) < step - 0.5_wp) cycle
+      call self%append(walls%parcel(w), 0, int(-walls%face(w), i8), walls%slip(1:3, w))
+    end do
+  end subroutine collect
+
+  subroutine append(self, own, other, other_id, slip)
+    class(history_t), intent(inout) :: self
+    integer, intent(in) :: own, other
+    integer(i8), intent(in) :: other_id
+    real(wp), intent(in) :: slip(3)
+
+    if (self%n == size(self%own)) call resize(self, 2*self%n)
+    self%n = self%n + 1
+    self%own(self%n) = own
+    self%other(self%n) = other
+    self%other_id(self%n) = other_id
+    self%slip(:, self%n) = slip
+  end subroutine append
+
+  !> Parcels have changed their columns: place(old column) is the new one.
+  pure subroutine follow(self, place)
+    class(history_t), intent(inout) :: self
+    integer, intent(in) :: place(:)
+
+    integer :: m
+
+    do m = 1, self%n
+      self%own(m) = place(self%own(m))
+      if (self%other(m) > 0) self%other(m) = place(self%other(m))
+    end do
+  end subroutine follow
+
+  !> Give the slips back to the entries of the new lists.
+  subroutine restore(self, list, walls, parcels, step)
+    class(history_t), intent(in) :: self
+    type(contact_list_t), intent(inout) :: list
+    type(wall_list_t), intent(inout) :: walls
+    type(parcels_t), intent(in) :: parcels
+    real(wp), intent(in) :: step  !< number of the last step
+
+    integer :: first_wall(parcels%n), m, w, k, i, j
+
+    first_wall = walls%entries + 1
+    do w = walls%entries, 1, -1
+      first_wall(walls%parcel(w)) = w
+    end do
+    do m = 1, self%n
+      i = self%own(m)
+      j = self%other(m)
+      if (j > 0) then
+        k = entry_of(list, min(i, j), max(i, j))
+        if (k > 0) then
+          list%slip(:, k) = [merge(1.0_wp, -1.0_wp, i < j)*self%slip(:, m), step]
+        else
+          ! A periodic face has come between the two: each now touches the image of the other.
+          call restore_image(list, parcels, i, parcels%id(j), [self%slip(:, m), step])
+          call restore_image(list, parcels, j, parcels%id(i), [-self%slip(:, m), step])
+        end if
+      else if (self%other_id(m) > 0) then
+        call restore_image(list, parcels, i, self%other_id(m), [self%slip(:, m), step])
+      else
+        do w = first_wall(i), walls%entries
+          if (walls%parcel(w) /= i) exit
+          if (walls%face(w) == -self%other_id(m)) walls%slip(:, w) = [self%slip(:, m), step]
+        end do
+      end if
+    end do
+  end subroutine restore
+
+  !> The entry of partner j in row i, 0 if there is none.
+  pure function entry_of(list, i, j) result(entry)
+    type(contact_list_t), intent(in) :: list
+    integer, intent(in) :: i, j
+    integer :: entry
+
+    do entry = list%first(i), list%first(i + 1) - 1
+      if (list%partner(entry) == j) return
+    end do
+    entry = 0
+  end function entry_of
+
+  !> Give a slip to the entry of row i whose partner has the given id.
+  pure subroutine restore_image(list, parcels, i, id, slip)
+    type(contact_list_t), intent(inout) :: list
+    type(parcels_t), intent(in) :: parcels
+    integer, intent(in) :: i
+    integer(i8), intent(in) :: id
+    real(wp), intent(in) :: slip(4)
+
+    integer :: k
+
+    do k = list%first(i), list%first(i + 1) - 1
+      if (parcels%id(list%partner(k)) == id) list%slip(:, k) = slip
+    end do
+  end subroutine restore_image
+
+  subroutine resize(self, capacity)
+    class(history_t), intent(inout) :: self
+    integer, intent(in) :: capacity
+
+    type(history_t) :: larger
+    integer :: n
+
+    n = self%n
+    allocate (larger%own(capacity), larger%other(capacity), larger%other_id(capacity), larger%slip(3, capacity))
+    if (n > 0) then
+      larger%own(1:n) = self%own(1:n)
+      larger%other(1:n) = self%other(1:n)
+      larger%other_id(1:n) = self%other_id(1:n)
+      larger%slip(:, 1:n) = self%slip(:, 1:n)
+    end if
+    call move_alloc(larger%own, self%own)
+    call move_alloc(larger%other, self%other)
+    call move_alloc(larger%other_id, self%other_id)
+    call move_alloc(larger%slip, self%slip)
+  end subroutine resize
+
+end module contact_history

@@ -1,0 +1,182 @@
+!> Linear spring-dashpot contacts, with Coulomb friction and rotation or without both.
+!>
+!>   normal      F_n = k_n delta - gamma_n v_n,  gamma_n = 2 sqrt(k_n m_eff) |ln e| / sqrt(pi^2 + ln^2 e)
+!>   tangential  F_t = -k_t xi - gamma_t v_t,    |F_t| <= mu |F_n|
+!>
+!> delta is the overlap, the normal n points from the partner to this parcel, and the slip xi is turned into
+!> the present tangent plane before it grows. The damping follows from the pair's own m_eff, so that every
+!> pair has the restitution asked for.
+!> Source: Cundall & Strack, Geotechnique 29 (1979) 47-65, for the model; Luding, Granular Matter 10 (2008)
+!>         235-246, sec. 2.3, for xi; restitution of a damped oscillator: Schaefer, Dippel & Wolf,
+!>         J. Phys. I France 6 (1996) 5-20, sec. 3.1.
+!>
+!> The contact point divides the distance d of the centres as the radii: arms r d/(r_i + r_j). Then torques
+!> and forces together conserve angular momentum exactly.
+!>
+!> Velocities lag positions by half a step, which damps too much: a lag of dt/2 acts on the oscillator as
+!> m_eff - gamma_n dt/2 in place of m_eff. The factor 1/(1 + zeta omega_0 dt/2) on the dashpots restores the
+!> restitution to second order in dt and leaves the static overlap as it is.
+module contact_linear
+  use constants, only: pi
+  use kinds, only: wp
+  implicit none
+  private
+  public :: linear_t, new_linear, damping_ratio, friction_forces, frictionless_forces
+
+  !> Constants of one pair of materials.
+  type :: linear_t
+    real(wp) :: k_n = 0.0_wp          !< normal stiffness [N/m]
+    real(wp) :: k_t = 0.0_wp          !< tangential stiffness [N/m]
+    real(wp) :: damping = 0.0_wp      !< gamma_n / sqrt(m_eff) [sqrt(N/m)]
+    real(wp) :: tangential = 0.0_wp   !< gamma_t / gamma_n [-]
+    real(wp) :: mu = 0.0_wp           !< Coulomb friction [-]
+    real(wp) :: dt = 0.0_wp           !< time step [s]
+    real(wp) :: step = 0.0_wp         !< number of this step
+  contains
+    procedure :: contact_time
+  end type linear_t
+
+contains
+
+  pure function new_linear(k_n, tangential_ratio, restitution, tangential_damping, mu) result(law)
+    real(wp), intent(in) :: k_n                 !< [N/m]
+    real(wp), intent(in) :: tangential_ratio    !< k_t/k_n [-]
+    real(wp), intent(in) :: restitution         !< e_n [-]
+    real(wp), intent(in) :: tangential_damping  !< gamma_t/gamma_n [-]
+    real(wp), intent(in) :: mu                  !< [-]
+    type(linear_t) :: law
+
+    law%k_n = k_n
+    law%k_t = k_n*tangential_ratio
+    law%damping = 2*sqrt(k_n)*damping_ratio(restitution)
+    law%tangential = tangential_damping
+    law%mu = mu
+  end function new_linear
+
+  !> Damping over critical damping, zeta = |ln e| / sqrt(pi^2 + ln^2 e).
+  elemental function damping_ratio(restitution) result(zeta)
+    real(wp), intent(in) :: restitution
+    real(wp) :: zeta
+
+    zeta = abs(log(restitution))/sqrt(pi**2 + log(restitution)**2)
+  end function damping_ratio
+
+  !> Time a collision takes, pi/(omega_0 sqrt(1 - zeta^2)) with omega_0^2 = k_n/m_eff [s].
+  pure function contact_time(self, effective_mass)
+    class(linear_t), intent(in) :: self
+    real(wp), intent(in) :: effective_mass  !< [kg]
+    real(wp) :: contact_time
+
+    contact_time = pi*sqrt(effective_mass)/sqrt(self%k_n - (self%damping/2)**2)
+  end function contact_time
+
+  !> Forces of n touching pairs (i, j) with friction.
+  !>
+  !> `pair` holds of each pair: 1:3 x_i - x_j, 4 r_i + r_j, 5:7 v_i - v_j, 8 1/m_i + 1/m_j; `spin` holds 1:3
+  !> r_i omega_i + r_j omega_j; `force` receives 1:3 the force on i and 5:7 the torque over radius, the same
+  !> for i and j. Exchanging i and j gives exactly the opposite force.
+  pure subroutine friction_forces(law, n, pair, spin, slip, force)
+    type(linear_t), intent(in) :: law
+    integer, intent(in) :: n
+    real(wp), intent(in) :: pair(8, n)     !< [m], [m], [m/s], [1/kg]
+    real(wp), intent(in) :: spin(4, n)     !< [m/s]
+    real(wp), intent(inout) :: slip(4, n)  !< 1:3 tangential slip [m], 4 step of the last touch
+    real(wp), intent(out) :: force(8, n)   !< [N]
+
+    real(wp) :: x, y, z, reach, square, per_d, d, q, q2, share, per_reach, gamma_n, v_n, f_n, part
+    real(wp) :: t_x, t_y, t_z, a, b, c, along, gamma_t, f_x, f_y, f_z, cap, back, keep, per_kt, lag
+    integer :: k
+
+    per_kt = 1/law%k_t
+    lag = law%damping*law%dt/4
+    !$omp simd private(x, y, z, reach, square, per_d, d, q, q2, share, per_reach, gamma_n, v_n, f_n, part, &
+    !$omp& t_x, t_y, t_z, a, b, c, along, gamma_t, f_x, f_y, f_z, cap, back, keep)
+    do k = 1, n
+      x = pair(1, k)
+      y = pair(2, k)
+      z = pair(3, k)
+      reach = pair(4, k)
+      square = x*x + y*y + z*z
+      per_d = 1/sqrt(square)
+      d = square*per_d
+
+      ! Dashpots: gamma_n = damping sqrt(m_eff) / (1 + lag sqrt(1/m_eff)), one division for it and 1/reach.
+      q2 = pair(8, k)
+      q = sqrt(q2) + lag*q2
+      share = 1/(q*reach)
+      per_reach = share*q
+      gamma_n = law%damping*share*reach
+      gamma_t = law%tangential*gamma_n
+
+      ! Normal force, and the velocity at the contact point without its normal part.
+      v_n = (pair(5, k)*x + pair(6, k)*y + pair(7, k)*z)*per_d
+      f_n = law%k_n*(reach - d) - gamma_n*v_n
+      part = v_n*per_d
+      t_x = pair(5, k) - x*part - (spin(2, k)*z - spin(3, k)*y)*per_reach
+      t_y = pair(6, k) - y*part - (spin(3, k)*x - spin(1, k)*z)*per_reach
+      t_z = pair(7, k) - z*part - (spin(1, k)*y - spin(2, k)*x)*per_reach
+
+      ! Slip since the contact began, kept in the tangent plane.
+      keep = merge(1.0_wp, 0.0_wp, slip(4, k) >= law%step - 1.5_wp)
+      slip(4, k) = law%step
+      a = keep*slip(1, k) + t_x*law%dt
+      b = keep*slip(2, k) + t_y*law%dt
+      c = keep*slip(3, k) + t_z*law%dt
+      along = (a*x + b*y + c*z)*per_d*per_d
+      a = a - along*x
+      b = b - along*y
+      c = c - along*z
+
+      ! Trial force, capped at mu |F_n|; where it slides the slip is what the spring alone would need.
+      f_x = -(law%k_t*a + gamma_t*t_x)
+      f_y = -(law%k_t*b + gamma_t*t_y)
+      f_z = -(law%k_t*c + gamma_t*t_z)
+      cap = law%mu*abs(f_n)/sqrt(max(f_x*f_x + f_y*f_y + f_z*f_z, tiny(cap)))
+      cap = min(cap, 1.0_wp)
+      back = gamma_t*per_kt*(cap - 1)
+      slip(1, k) = cap*a + back*t_x
+      slip(2, k) = cap*b + back*t_y
+      slip(3, k) = cap*c + back*t_z
+      f_x = cap*f_x
+      f_y = cap*f_y
+      f_z = cap*f_z
+
+      force(5, k) = (z*f_y - y*f_z)*per_reach
+      force(6, k) = (x*f_z - z*f_x)*per_reach
+      force(7, k) = (y*f_x - x*f_y)*per_reach
+      force(8, k) = 0.0_wp
+      f_n = f_n*per_d
+      force(1, k) = f_x + x*f_n
+      force(2, k) = f_y + y*f_n
+      force(3, k) = f_z + z*f_n
+      force(4, k) = 0.0_wp
+    end do
+  end subroutine friction_forces
+
+  !> Forces of n touching pairs without friction; `pair` as in `friction_forces`, `force` 1:3 on i.
+  pure subroutine frictionless_forces(law, n, pair, force)
+    type(linear_t), intent(in) :: law
+    integer, intent(in) :: n
+    real(wp), intent(in) :: pair(8, n)    !< [m], [m], [m/s], [1/kg]
+    real(wp), intent(out) :: force(4, n)  !< [N]
+
+    real(wp) :: square, per_d, q2, gamma_n, v_n, f_n, lag
+    integer :: k
+
+    lag = law%damping*law%dt/4
+    !$omp simd private(square, per_d, q2, gamma_n, v_n, f_n)
+    do k = 1, n
+      square = pair(1, k)*pair(1, k) + pair(2, k)*pair(2, k) + pair(3, k)*pair(3, k)
+      per_d = 1/sqrt(square)
+      q2 = pair(8, k)
+      gamma_n = law%damping/(sqrt(q2) + lag*q2)
+      v_n = (pair(5, k)*pair(1, k) + pair(6, k)*pair(2, k) + pair(7, k)*pair(3, k))*per_d
+      f_n = (law%k_n*(pair(4, k) - square*per_d) - gamma_n*v_n)*per_d
+      force(1, k) = pair(1, k)*f_n
+      force(2, k) = pair(2, k)*f_n
+      force(3, k) = pair(3, k)*f_n
+      force(4, k) = 0.0_wp
+    end do
+  end subroutine frictionless_forces
+
+end module contact_linear

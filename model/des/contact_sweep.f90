@@ -1,0 +1,208 @@
+!> One pass over all listed pairs: select those that touch, gather a block of them, let the law compute their
+!> forces eight at a time, and hand the forces out.
+!>
+!> Half of the listed pairs do not touch, in no order a processor could foresee; so the selection has no branch,
+!> and the law sees only pairs that touch.
+module contact_sweep
+  use contact_linear, only: linear_t, friction_forces, frictionless_forces
+  use contact_list, only: contact_list_t
+  use kinds, only: wp
+  implicit none
+  private
+  public :: sweep_friction, sweep_frictionless
+
+  integer, parameter :: block_pairs = 128   !< listed pairs of a block, which stays in the L1 cache
+  integer, parameter :: lanes = 8           !< the law is called with a multiple of this
+  real(wp), parameter :: difference(8) = [-1, -1, -1, 1, -1, -1, -1, 1]  !< x, y, z, r, u, v, w, 1/m of a pair
+  real(wp), parameter :: reaction(8) = [-1, -1, -1, 1, 1, 1, 1, 1]       !< force and torque on the partner
+
+  !> Touching pairs on their way through the law: both parcels, and the entry of the list.
+  type :: selection_t
+    integer :: entry = 1                    !< where the selection goes on
+    integer :: n = 0                        !< pairs selected
+    integer :: i(block_pairs + 1), j(block_pairs + 1), k(block_pairs + 1)
+  end type selection_t
+
+contains
+
+  !> Add the forces and torques of all pairs that touch, with friction.
+  subroutine sweep_friction(law, list, state, force)
+    type(linear_t), intent(in) :: law
+    type(contact_list_t), intent(inout) :: list
+    real(wp), intent(in) :: state(16, *)     !< see parcels
+    real(wp), intent(inout) :: force(8, *)   !< 1:3 force, 5:7 torque over radius [N]
+
+    type(selection_t) :: chosen
+    real(wp) :: pair(8, block_pairs), spin(4, block_pairs), slip(4, block_pairs), forces(8, block_pairs)
+
+    chosen%entry = 1
+    do while (chosen%entry <= list%entries)
+      call select_pairs(16, state, list, chosen)
+      call gather_pairs(16, state, chosen, pair)
+      call gather_history(state, list%slip, chosen, spin, slip)
+      call friction_forces(law, padded(chosen%n), pair, spin, slip, forces)
+      call scatter_history(slip, chosen, list%slip)
+      call scatter_friction(forces, chosen, force)
+    end do
+  end subroutine sweep_friction
+
+  !> Add the forces of all pairs that touch, without friction.
+  subroutine sweep_frictionless(law, list, state, force)
+    type(linear_t), intent(in) :: law
+    type(contact_list_t), intent(in) :: list
+    real(wp), intent(in) :: state(8, *)      !< see parcels
+    real(wp), intent(inout) :: force(4, *)   !< 1:3 force [N]
+
+    type(selection_t) :: chosen
+    real(wp) :: pair(8, block_pairs), forces(4, block_pairs)
+
+    chosen%entry = 1
+    do while (chosen%entry <= list%entries)
+      call select_pairs(8, state, list, chosen)
+      call gather_pairs(8, state, chosen, pair)
+      call frictionless_forces(law, padded(chosen%n), pair, forces)
+      call scatter_frictionless(forces, chosen, force)
+    end do
+  end subroutine sweep_frictionless
+
+  !> The number of pairs the law is called with.
+  pure function padded(n)
+    integer, intent(in) :: n
+    integer :: padded
+
+    padded = lanes*((n + lanes - 1)/lanes)
+  end function padded
+
+  !> Look at the next listed pairs, a block of them, and choose those that touch.
+  pure subroutine select_pairs(rows, state, list, chosen)
+    integer, intent(in) :: rows              !< of state
+    real(wp), intent(in) :: state(rows, *)
+    type(contact_list_t), intent(in) :: list
+    type(selection_t), intent(inout) :: chosen
+
+    integer :: i, j, k, n, last
+    real(wp) :: gap
+
+    n = 0
+    last = min(list%entries, chosen%entry + block_pairs - 1)
+    do k = chosen%entry, last
+      i = list%row(k)
+      j = list%partner(k)
+      gap = (state(1, i) - state(1, j))**2 + (state(2, i) - state(2, j))**2 + (state(3, i) - state(3, j))**2 &
+            - (state(4, i) + state(4, j))**2
+      chosen%i(n + 1) = i
+      chosen%j(n + 1) = j
+      chosen%k(n + 1) = k
+      n = n + merge(1, 0, gap < 0)
+    end do
+    chosen%n = n
+    chosen%entry = last + 1
+  end subroutine select_pairs
+
+  !> Differences (position, velocity) and sums (radius, inverse mass) of the pairs. The last lanes, where the
+  !> law is called with more pairs than there are, repeat the last pair.
+  pure subroutine gather_pairs(rows, state, chosen, pair)
+    integer, intent(in) :: rows
+    real(wp), intent(in) :: state(rows, *)
+    type(selection_t), intent(in) :: chosen
+    real(wp), intent(inout) :: pair(8, block_pairs)
+
+    integer :: m, l, i, j
+
+    do m = 1, chosen%n
+      i = chosen%i(m)
+      j = chosen%j(m)
+      !$omp simd simdlen(8)
+      do l = 1, 8
+        pair(l, m) = state(l, i) + difference(l)*state(l, j)
+      end do
+    end do
+    do m = chosen%n + 1, padded(chosen%n)
+      pair(:, m) = pair(:, chosen%n)
+    end do
+  end subroutine gather_pairs
+
+  pure subroutine gather_history(state, history, chosen, spin, slip)
+    real(wp), intent(in) :: state(16, *)
+    real(wp), intent(in) :: history(4, *)
+    type(selection_t), intent(in) :: chosen
+    real(wp), intent(inout) :: spin(4, block_pairs), slip(4, block_pairs)
+
+    integer :: m, l, i, j, k
+
+    do m = 1, chosen%n
+      i = chosen%i(m)
+      j = chosen%j(m)
+      k = chosen%k(m)
+      !$omp simd simdlen(4)
+      do l = 1, 4
+        spin(l, m) = state(8 + l, i) + state(8 + l, j)
+        slip(l, m) = history(l, k)
+      end do
+    end do
+    do m = chosen%n + 1, padded(chosen%n)
+      spin(:, m) = 0.0_wp
+      slip(:, m) = 0.0_wp
+    end do
+  end subroutine gather_history
+
+  pure subroutine scatter_history(slip, chosen, history)
+    real(wp), intent(in) :: slip(4, block_pairs)
+    type(selection_t), intent(in) :: chosen
+    real(wp), intent(inout) :: history(4, *)
+
+    integer :: m, l, k
+
+    do m = 1, chosen%n
+      k = chosen%k(m)
+      !$omp simd simdlen(4)
+      do l = 1, 4
+        history(l, k) = slip(l, m)
+      end do
+    end do
+  end subroutine scatter_history
+
+  !> Force and torque on both parcels of every pair.
+  pure subroutine scatter_friction(forces, chosen, force)
+    real(wp), intent(in) :: forces(8, block_pairs)
+    type(selection_t), intent(in) :: chosen
+    real(wp), intent(inout) :: force(8, *)
+
+    integer :: m, l, i, j
+
+    do m = 1, chosen%n
+      i = chosen%i(m)
+      j = chosen%j(m)
+      !$omp simd simdlen(8)
+      do l = 1, 8
+        force(l, i) = force(l, i) + forces(l, m)
+      end do
+      !$omp simd simdlen(8)
+      do l = 1, 8
+        force(l, j) = force(l, j) + reaction(l)*forces(l, m)
+      end do
+    end do
+  end subroutine scatter_friction
+
+  pure subroutine scatter_frictionless(forces, chosen, force)
+    real(wp), intent(in) :: forces(4, block_pairs)
+    type(selection_t), intent(in) :: chosen
+    real(wp), intent(inout) :: force(4, *)
+
+    integer :: m, l, i, j
+
+    do m = 1, chosen%n
+      i = chosen%i(m)
+      j = chosen%j(m)
+      !$omp simd simdlen(4)
+      do l = 1, 4
+        force(l, i) = force(l, i) + forces(l, m)
+      end do
+      !$omp simd simdlen(4)
+      do l = 1, 4
+        force(l, j) = force(l, j) - forces(l, m)
+      end do
+    end do
+  end subroutine scatter_frictionless
+
+end module contact_sweep

@@ -1,0 +1,89 @@
+!> Copies of parcels near the border of another rank's tiles, or near a periodic face.
+module ghosts
+  use communicator, only: communicator_t
+  use kinds, only: wp, i8
+  use parcels, only: parcels_t, spin_row, velocity_row
+  use route, only: route_t
+  use tiles, only: tiles_t, most_images
+  implicit none
+  private
+  public :: ghosts_t
+
+  type :: ghosts_t
+    logical :: needed = .false.  !< whether there is another rank or a periodic face
+    type(route_t) :: route
+  contains
+    procedure :: invite
+    procedure :: refresh
+  end type ghosts_t
+
+contains
+
+  !> Find out who must see my parcels, and receive all of others' that I must see.
+  subroutine invite(self, tiles, range, parcels)
+    class(ghosts_t), intent(inout) :: self
+    type(tiles_t), intent(in) :: tiles
+    real(wp), intent(in) :: range           !< of contacts [m]
+    type(parcels_t), intent(inout) :: parcels
+
+    integer, allocatable :: destination(:), column(:)
+    real(wp), allocatable :: shift(:,:)
+    integer(i8), allocatable :: ids(:,:)
+
+    parcels%n_ghost = 0
+    self%needed = tiles%comm%size > 1 .or. any(tiles%periodic)
+    if (.not. self%needed) return
+    call find_images(tiles, range, parcels, destination, column, shift)
+    call self%route%set(tiles%comm, destination, column, shift)
+    call parcels%reserve(parcels%n + self%route%n_received)
+    parcels%n_ghost = self%route%n_received
+    allocate (ids(1, parcels%n_ghost))
+    call self%route%send(reshape(parcels%id(column), [1, size(column)]), ids)
+    parcels%id(parcels%n + 1:parcels%n_all()) = ids(1, :)
+    call self%route%refresh(parcels%state, size(parcels%state, 1), parcels%n + 1)
+    parcels%force(:, parcels%n + 1:parcels%n_all()) = 0.0_wp
+  end subroutine invite
+
+  subroutine find_images(tiles, range, parcels, destination, column, shift)
+    type(tiles_t), intent(in) :: tiles
+    real(wp), intent(in) :: range
+    type(parcels_t), intent(in) :: parcels
+    integer, allocatable, intent(out) :: destination(:), column(:)  !< (images)
+    real(wp), allocatable, intent(out) :: shift(:,:)                !< (3, images) [m]
+
+    integer :: rank(most_images), count, n, i
+    real(wp) :: way(3, most_images)
+
+    allocate (destination(64), column(64), shift(3, 64))
+    n = 0
+    do i = 1, parcels%n
+      call tiles%images(parcels%state(1:3, i), range, rank, way, count)
+      if (count == 0) cycle
+      if (n + count > size(column)) then
+        destination = [destination, destination]
+        column = [column, column]
+        shift = reshape([shift, shift], [3, size(column)])
+      end if
+      destination(n + 1:n + count) = rank(1:count)
+      shift(:, n + 1:n + count) = way(:, 1:count)
+      column(n + 1:n + count) = i
+      n = n + count
+    end do
+    destination = destination(1:n)
+    column = column(1:n)
+    shift = shift(:, 1:n)
+  end subroutine find_images
+
+  !> Bring positions, velocities and spins of the ghosts up to date.
+  subroutine refresh(self, parcels)
+    class(ghosts_t), intent(inout) :: self
+    type(parcels_t), intent(inout) :: parcels
+
+    integer :: rows
+
+    if (.not. self%needed) return
+    rows = merge(spin_row, velocity_row, parcels%rotation) + 2
+    call self%route%refresh(parcels%state, rows, parcels%n + 1)
+  end subroutine refresh
+
+end module ghosts

@@ -1,0 +1,155 @@
+!> Parcels move house: each goes to the rank that owns its place, with everything known of it and the slips of
+!> its contacts.
+module migration
+  use communicator, only: communicator_t
+  use contact_history, only: history_t
+  use kinds, only: wp, i8
+  use parcels, only: parcels_t
+  use route, only: route_t
+  implicit none
+  private
+  public :: migrate, nowhere
+
+  integer, parameter :: nowhere = -1  !< destination of a parcel that has left through an open face
+
+contains
+
+  !> Send parcel i to the rank destination(i). All ranks take part. Who stays keeps the order; who comes is
+  !> appended.
+  subroutine migrate(comm, destination, parcels, history)
+    type(communicator_t), intent(in) :: comm
+    integer, intent(in) :: destination(:)  !< (n) rank, or nowhere
+    type(parcels_t), intent(inout) :: parcels
+    type(history_t), intent(inout) :: history
+
+    type(history_t) :: leaving
+    integer, allocatable :: stays(:), leaves(:)
+    integer :: place(parcels%n), i
+
+    stays = pack([(i, i=1, parcels%n)], destination == comm%rank)
+    leaves = pack([(i, i=1, parcels%n)], destination /= comm%rank .and. destination /= nowhere)
+    place = 0
+    place(stays) = [(i, i=1, size(stays))]
+    place(leaves) = -[(i, i=1, size(leaves))]
+    call part_records(parcels, place, history, leaving)
+    call swap_parcels(comm, destination(leaves), leaves, stays, parcels, history, leaving)
+  end subroutine migrate
+
+  !> Split the records between those whose parcel stays, which follow it to its new column, and those that
+  !> leave with it. place(i) is the new column of i, minus its number among those that leave, or 0.
+  subroutine part_records(parcels, place, history, leaving)
+    type(parcels_t), intent(in) :: parcels
+    integer, intent(in) :: place(:)
+    type(history_t), intent(inout) :: history
+    type(history_t), intent(inout) :: leaving  !< `own` counts the parcels that leave
+
+    type(history_t) :: all
+    integer :: m, i, j
+
+    all = history
+    call history%clear()
+    call leaving%clear()
+    do m = 1, all%n
+      i = all%own(m)
+      j = all%other(m)
+      if (j == 0) then
+        call hand_over(place(i), all%other_id(m), all%slip(:, m))
+      else if (place(i) > 0 .and. place(j) > 0) then
+        call history%append(place(i), place(j), 0_i8, all%slip(:, m))
+      else
+        call hand_over(place(i), parcels%id(j), all%slip(:, m))
+        call hand_over(place(j), parcels%id(i), -all%slip(:, m))
+      end if
+    end do
+
+  contains
+
+    subroutine hand_over(to, id, slip)
+      integer, intent(in) :: to
+      integer(i8), intent(in) :: id
+      real(wp), intent(in) :: slip(3)
+
+      if (to > 0) call history%append(to, 0, id, slip)
+      if (to < 0) call leaving%append(-to, 0, id, slip)
+    end subroutine hand_over
+  end subroutine part_records
+
+  !> The messages: parcels, then their records in the order of the parcels.
+  subroutine swap_parcels(comm, destination, leaves, stays, parcels, history, leaving)
+    type(communicator_t), intent(in) :: comm
+    integer, intent(in) :: destination(:)  !< (size(leaves)) rank
+    integer, intent(in) :: leaves(:), stays(:)
+    type(parcels_t), intent(inout) :: parcels
+    type(history_t), intent(inout) :: history
+    type(history_t), intent(in) :: leaving
+
+    type(route_t) :: route
+    real(wp), allocatable :: reals(:,:), reals_in(:,:)
+    integer(i8), allocatable :: longs(:,:), longs_in(:,:)
+    integer :: m, n
+
+    call route%set(comm, destination)
+    allocate (reals(parcels%packed_rows(), route%n_sent), reals_in(parcels%packed_rows(), route%n_received))
+    allocate (longs(3, route%n_sent), longs_in(3, route%n_received))
+    call parcels%pack_rows(leaves, reals, longs(1:2, :))
+    longs(3, :) = 0_i8
+    do m = 1, leaving%n
+      longs(3, leaving%own(m)) = longs(3, leaving%own(m)) + 1
+    end do
+    call route%send(reals, reals_in)
+    call route%send(longs, longs_in)
+    call parcels%reorder(stays)
+    n = parcels%n
+    call parcels%unpack_rows(reals_in, longs_in(1:2, :))
+    if (parcels%rotation) call swap_records(comm, destination, leaving, n, int(longs_in(3, :)), history)
+  end subroutine swap_parcels
+
+  subroutine swap_records(comm, destination, leaving, n, counts, history)
+    type(communicator_t), intent(in) :: comm
+    integer, intent(in) :: destination(:)  !< of the parcels that leave
+    type(history_t), intent(in) :: leaving
+    integer, intent(in) :: n               !< column before the first newcomer
+    integer, intent(in) :: counts(:)       !< records of each newcomer
+    type(history_t), intent(inout) :: history
+
+    type(route_t) :: route
+    real(wp), allocatable :: slip_in(:,:)
+    integer(i8), allocatable :: id_in(:,:)
+    integer :: order(leaving%n), m, c, r
+
+    order = by_owner(leaving%own(1:leaving%n), size(destination))
+    call route%set(comm, destination(leaving%own(order)))
+    allocate (slip_in(3, route%n_received), id_in(1, route%n_received))
+    call route%send(leaving%slip(:, order), slip_in)
+    call route%send(reshape(leaving%other_id(order), [1, leaving%n]), id_in)
+    r = 0
+    do c = 1, size(counts)
+      do m = 1, counts(c)
+        r = r + 1
+        call history%append(n + c, 0, id_in(1, r), slip_in(:, r))
+      end do
+    end do
+  end subroutine swap_records
+
+  !> The order that sorts records by their owner, 1 to `owners`; equals keep their order.
+  pure function by_owner(own, owners) result(order)
+    integer, intent(in) :: own(:), owners
+    integer :: order(size(own))
+
+    integer :: next(owners + 1), m, c
+
+    next = 0
+    do m = 1, size(own)
+      next(own(m) + 1) = next(own(m) + 1) + 1
+    end do
+    next(1) = 1
+    do c = 2, owners + 1
+      next(c) = next(c) + next(c - 1)
+    end do
+    do m = 1, size(own)
+      order(next(own(m))) = m
+      next(own(m)) = next(own(m)) + 1
+    end do
+  end function by_owner
+
+end module migration

@@ -1,0 +1,228 @@
+!> The parcels of this rank, in columns 1 to n, and copies of its neighbours' parcels (ghosts) behind.
+!>
+!> What a contact reads lies in one row of `state`, so that a pair costs two short runs of memory.
+module parcels
+  use kinds, only: wp, i8
+  implicit none
+  private
+  public :: parcels_t, position_row, radius_row, velocity_row, mass_row, spin_row, &
+    drive_row, drag_row, before_row, frictional_rows, frictionless_rows, coupled_rows, &
+    frictional_force_rows, frictionless_force_rows
+
+  ! Rows of `state`.
+  integer, parameter :: position_row = 1  !< 1:3 position [m]
+  integer, parameter :: radius_row = 4    !< collision radius [m]
+  integer, parameter :: velocity_row = 5  !< 5:7 velocity [m/s]
+  integer, parameter :: mass_row = 8      !< inverse of the parcel's mass [1/kg]
+  integer, parameter :: spin_row = 9      !< 9:11 angular velocity times collision radius [m/s]
+  integer, parameter :: frictional_rows = 16, frictionless_rows = 8
+  integer, parameter :: frictional_force_rows = 8, frictionless_force_rows = 4
+
+  ! Rows of `coupled`.
+  integer, parameter :: drive_row = 1     !< 1:3 acceleration by all but contacts, over a gas step [m/s2]
+  integer, parameter :: drag_row = 4      !< 4:6 acceleration by drag in the last gas step [m/s2]
+  integer, parameter :: before_row = 7    !< 7:9 velocity at the start of the last gas step [m/s]
+  integer, parameter :: coupled_rows = 12
+
+  integer, parameter :: own_rows = 5      !< of a message, besides state and coupled: diameter, weight, built
+
+  type :: parcels_t
+    integer :: n = 0                          !< my own
+    integer :: n_ghost = 0                    !< copies of others' parcels, in columns n+1 on
+    integer :: capacity = 0                   !< columns of all arrays
+    logical :: rotation = .false.             !< whether parcels spin: state has 16 rows, else 8
+    logical :: with_gas = .false.             !< whether `coupled` exists
+    real(wp), allocatable :: state(:,:)       !< (16 or 8, capacity), see the rows above
+    real(wp), allocatable :: force(:,:)       !< (8 or 4, capacity) contact force 1:3 [N], torque/radius 5:7 [N]
+    real(wp), allocatable :: coupled(:,:)     !< (12, capacity) what the gas does, see the rows above
+    real(wp), allocatable :: built(:,:)       !< (3, capacity) position when the neighbour list was made [m]
+    real(wp), allocatable :: diameter(:)      !< of one real particle [m]
+    real(wp), allocatable :: weight(:)        !< real particles per parcel [-]
+    integer, allocatable :: powder(:)
+    integer(i8), allocatable :: id(:)         !< own and ghosts
+  contains
+    procedure :: create
+    procedure :: reserve
+    procedure :: reorder
+    procedure :: n_all
+    procedure :: packed_rows
+    procedure :: pack_rows
+    procedure :: unpack_rows
+  end type parcels_t
+
+contains
+
+  subroutine create(self, rotation, with_gas)
+    class(parcels_t), intent(out) :: self
+    logical, intent(in) :: rotation, with_gas
+
+    self%rotation = rotation
+    self%with_gas = with_gas
+    call self%reserve(64)
+  end subroutine create
+
+  !> Own parcels and ghosts.
+  pure function n_all(self)
+    class(parcels_t), intent(in) :: self
+    integer :: n_all
+
+    n_all = self%n + self%n_ghost
+  end function n_all
+
+  !> Room for at least `columns` parcels; what is there stays.
+  subroutine reserve(self, columns)
+    class(parcels_t), intent(inout) :: self
+    integer, intent(in) :: columns
+
+    integer :: capacity
+
+    if (columns <= self%capacity) return
+    capacity = columns + columns/4
+    call grow(self%state, merge(frictional_rows, frictionless_rows, self%rotation), capacity)
+    call grow(self%force, merge(frictional_force_rows, frictionless_force_rows, self%rotation), capacity)
+    if (self%with_gas) call grow(self%coupled, coupled_rows, capacity)
+    call grow(self%built, 3, capacity)
+    call grow_reals(self%diameter, capacity)
+    call grow_reals(self%weight, capacity)
+    call grow_integers(self%powder, capacity)
+    call grow_longs(self%id, capacity)
+    self%capacity = capacity
+  end subroutine reserve
+
+  !> Put parcel order(k) into column k, for k from 1 to size(order), which becomes the number of
+  !> parcels. Forces and ghosts are not kept.
+  subroutine reorder(self, order)
+    class(parcels_t), intent(inout) :: self
+    integer, intent(in) :: order(:)
+
+    integer :: n
+
+    n = size(order)
+    call reorder_rows(size(self%state, 1), order, self%capacity, self%state)
+    call reorder_rows(3, order, self%capacity, self%built)
+    if (self%with_gas) call reorder_rows(coupled_rows, order, self%capacity, self%coupled)
+    self%diameter(1:n) = self%diameter(order)
+    self%weight(1:n) = self%weight(order)
+    self%powder(1:n) = self%powder(order)
+    self%id(1:n) = self%id(order)
+    self%n = n
+    self%n_ghost = 0
+  end subroutine reorder
+
+  subroutine reorder_rows(rows, order, capacity, array)
+    integer, intent(in) :: rows, order(:), capacity
+    real(wp), intent(inout) :: array(rows, capacity)
+
+    real(wp), allocatable :: old(:,:)
+    integer :: k
+
+    allocate (old(rows, size(order)))
+    do k = 1, size(order)
+      old(:, k) = array(:, order(k))
+    end do
+    array(:, 1:size(order)) = old
+  end subroutine reorder_rows
+
+  !> Rows of reals that carry one parcel from rank to rank.
+  pure function packed_rows(self)
+    class(parcels_t), intent(in) :: self
+    integer :: packed_rows
+
+    packed_rows = size(self%state, 1) + own_rows
+    if (self%with_gas) packed_rows = packed_rows + coupled_rows
+  end function packed_rows
+
+  !> Write the parcels in the given columns into rows for a message.
+  subroutine pack_rows(self, columns, reals, longs)
+    class(parcels_t), intent(in) :: self
+    integer, intent(in) :: columns(:)
+    real(wp), intent(out) :: reals(:,:)      !< (packed_rows, size(columns))
+    integer(i8), intent(out) :: longs(:,:)   !< (2, size(columns)): id, powder
+
+    integer :: k, c, rows
+
+    rows = size(self%state, 1)
+    do k = 1, size(columns)
+      c = columns(k)
+      reals(1:rows, k) = self%state(:, c)
+      reals(rows + 1, k) = self%diameter(c)
+      reals(rows + 2, k) = self%weight(c)
+      reals(rows + 3:rows + own_rows, k) = self%built(:, c)
+      if (self%with_gas) reals(rows + own_rows + 1:, k) = self%coupled(:, c)
+      longs(:, k) = [self%id(c), int(self%powder(c), i8)]
+    end do
+  end subroutine pack_rows
+
+  !> Append the parcels of a message.
+  subroutine unpack_rows(self, reals, longs)
+    class(parcels_t), intent(inout) :: self
+    real(wp), intent(in) :: reals(:,:)
+    integer(i8), intent(in) :: longs(:,:)
+
+    integer :: k, c, rows
+
+    call self%reserve(self%n + size(reals, 2))
+    rows = size(self%state, 1)
+    do k = 1, size(reals, 2)
+      c = self%n + k
+      self%state(:, c) = reals(1:rows, k)
+      self%diameter(c) = reals(rows + 1, k)
+      self%weight(c) = reals(rows + 2, k)
+      self%built(:, c) = reals(rows + 3:rows + own_rows, k)
+      if (self%with_gas) self%coupled(:, c) = reals(rows + own_rows + 1:, k)
+      self%id(c) = longs(1, k)
+      self%powder(c) = int(longs(2, k))
+    end do
+    self%n = self%n + size(reals, 2)
+    self%n_ghost = 0
+  end subroutine unpack_rows
+
+  subroutine grow(array, rows, capacity)
+    real(wp), allocatable, intent(inout) :: array(:,:)
+    integer, intent(in) :: rows, capacity
+
+    real(wp), allocatable :: larger(:,:)
+
+    allocate (larger(rows, capacity))
+    larger = 0.0_wp
+    if (allocated(array)) larger(:, 1:size(array, 2)) = array
+    call move_alloc(larger, array)
+  end subroutine grow
+
+  subroutine grow_reals(array, capacity)
+    real(wp), allocatable, intent(inout) :: array(:)
+    integer, intent(in) :: capacity
+
+    real(wp), allocatable :: larger(:)
+
+    allocate (larger(capacity))
+    larger = 0.0_wp
+    if (allocated(array)) larger(1:size(array)) = array
+    call move_alloc(larger, array)
+  end subroutine grow_reals
+
+  subroutine grow_integers(array, capacity)
+    integer, allocatable, intent(inout) :: array(:)
+    integer, intent(in) :: capacity
+
+    integer, allocatable :: larger(:)
+
+    allocate (larger(capacity))
+    larger = 0
+    if (allocated(array)) larger(1:size(array)) = array
+    call move_alloc(larger, array)
+  end subroutine grow_integers
+
+  subroutine grow_longs(array, capacity)
+    integer(i8), allocatable, intent(inout) :: array(:)
+    integer, intent(in) :: capacity
+
+    integer(i8), allocatable :: larger(:)
+
+    allocate (larger(capacity))
+    larger = 0_i8
+    if (allocated(array)) larger(1:size(array)) = array
+    call move_alloc(larger, array)
+  end subroutine grow_longs
+
+end module parcels

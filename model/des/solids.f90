@@ -1,0 +1,386 @@
+!> All parcels of the run and everything they do without gas: contacts, walls, motion, neighbour lists, and the
+!> exchange between ranks.
+!>
+!> A solids step: contact forces, kick, drift; then either a refresh of the ghosts or, once a parcel may have
+!> moved half the skin since the lists were made, new lists. Making them moves parcels to the ranks that own
+!> their places, sorts them in space and gives the contacts their slips back.
+module solids
+  use communicator, only: communicator_t
+  use contact_history, only: history_t
+  use contact_linear, only: linear_t, new_linear
+  use contact_list, only: contact_list_t
+  use contact_settings, only: contact_settings_t
+  use contact_sweep, only: sweep_friction, sweep_frictionless
+  use constants, only: pi, is_set
+  use des_settings, only: des_settings_t
+  use ghosts, only: ghosts_t
+  use kinds, only: wp, i8
+  use migration, only: migrate, nowhere
+  use motion, only: drift, kick_and_drift
+  use neighbours, only: search_t
+  use outcome, only: outcome_t
+  use parcels, only: parcels_t, radius_row, mass_row
+  use solids_trouble, only: find_trouble, check_period
+  use tiles, only: tiles_t, new_tiles
+  use chamber, only: chamber_t
+  use walls, only: wall_list_t
+  implicit none
+  private
+  public :: solids_t
+
+  real(wp), parameter :: automatic_skin = 0.25_wp    !< skin over the diameter of a parcel
+  real(wp), parameter :: tolerated_imbalance = 1.1_wp !< largest load over the mean before tiles change hands
+  real(wp), parameter :: entry_work = 0.3_wp         !< work of a listed pair over that of a parcel by itself
+
+  type :: solids_t
+    type(communicator_t) :: comm
+    type(chamber_t) :: chamber
+    type(contact_settings_t) :: contact
+    type(des_settings_t) :: numerics
+    type(linear_t) :: pair_law, wall_law
+    type(parcels_t) :: parcels
+    type(tiles_t) :: tiles               !< exist once parcels do
+    integer :: tilings = 0               !< how often tiles were made or changed hands
+    type(contact_list_t) :: list
+    type(wall_list_t) :: walls
+    type(ghosts_t) :: ghosts
+    type(history_t) :: history           !< slips between two lists
+    type(search_t) :: search
+    real(wp) :: tile_width = 0.0_wp      !< least width asked for [m]
+    real(wp) :: skin = 0.0_wp            !< [m]
+    real(wp) :: range = 0.0_wp           !< largest distance of the centres of a listed pair [m]
+    real(wp) :: smallest_radius = huge(1.0_wp), largest_radius = 0.0_wp  !< on all ranks [m]
+    real(wp) :: smallest_mass = huge(1.0_wp)                             !< of a parcel, on all ranks [kg]
+    real(wp) :: time = 0.0_wp            !< [s]
+    real(wp) :: step = 0.0_wp            !< steps done; a real, as the slips keep it
+    real(wp) :: travelled = 0.0_wp       !< at most, by any parcel since the lists were made [m]
+    integer(i8) :: rebuilds = 0          !< lists made
+    integer(i8) :: weighed = 0           !< of these, when the balance was looked at last
+    integer(i8) :: added = 0, left = 0   !< parcels, on all ranks, since the start
+    real(wp) :: mass_added = 0.0_wp, mass_left = 0.0_wp  !< [kg]
+    type(outcome_t), private :: trouble  !< met while parcels were added
+  contains
+    procedure :: create
+    procedure :: add
+    procedure :: time_step_limit
+    procedure :: advance
+    procedure :: rebalance
+    procedure :: set_reach
+    procedure :: make_lists
+    procedure :: renew_lists
+  end type solids_t
+
+contains
+
+  !> An empty chamber.
+  subroutine create(self, comm, chamber, contact, numerics, with_gas, tile_width)
+    class(solids_t), intent(out) :: self
+    type(communicator_t), intent(in) :: comm
+    type(chamber_t), intent(in) :: chamber
+    type(contact_settings_t), intent(in) :: contact
+    type(des_settings_t), intent(in) :: numerics
+    logical, intent(in) :: with_gas         !< whether a gas drives the parcels
+    real(wp), intent(in) :: tile_width      !< least width of a tile [m]; 0: as thin as contacts allow
+
+    logical :: friction
+
+    self%comm = comm
+    self%chamber = chamber
+    self%contact = contact
+    self%numerics = numerics
+    self%tile_width = tile_width
+    associate (c => contact)
+      self%pair_law = new_linear(c%stiffness, c%tangential_ratio, c%restitution, c%tangential_damping_ratio, c%friction)
+      self%wall_law = new_linear(given(c%wall_stiffness, c%stiffness), c%tangential_ratio, &
+                                 given(c%wall_restitution, c%restitution), c%tangential_damping_ratio, &
+                                 given(c%wall_friction, c%friction))
+    end associate
+    friction = self%pair_law%mu > 0.0_wp .or. self%wall_law%mu > 0.0_wp
+    self%list%with_history = friction
+    self%walls%with_history = friction
+    call self%parcels%create(friction, with_gas)
+    call self%history%clear()
+  end subroutine create
+
+  pure function given(key, default)
+    real(wp), intent(in) :: key, default
+    real(wp) :: given
+
+    given = merge(key, default, is_set(key))
+  end function given
+
+  !> Put parcels into the chamber. All ranks take part; any of them may bring any parcel, but only one.
+  subroutine add(self, position, velocity, diameter, weight, density, powder, id)
+    class(solids_t), intent(inout) :: self
+    real(wp), intent(in) :: position(:,:)     !< (3,n) [m]
+    real(wp), intent(in) :: velocity(:,:)     !< (3,n) [m/s]
+    real(wp), intent(in) :: diameter(:)       !< (n) of one real particle [m]
+    real(wp), intent(in) :: weight(:)         !< (n) real particles in a parcel [-]
+    real(wp), intent(in) :: density(:)        !< (n) of the solid [kg/m3]
+    integer, intent(in) :: powder(:)          !< (n)
+    integer(i8), intent(in) :: id(:)          !< (n) positive, each once
+
+    real(wp) :: mass
+    integer :: m, c
+
+    call keep_history(self)
+    mass = 0.0_wp
+    associate (p => self%parcels)
+      call p%reserve(p%n + size(id))
+      p%n_ghost = 0
+      do m = 1, size(id)
+        c = p%n + m
+        p%state(:, c) = 0.0_wp
+        p%state(1:3, c) = position(:, m)
+        p%state(radius_row, c) = 0.5_wp*diameter(m)*weight(m)**(1.0_wp/3.0_wp)
+        p%state(5:7, c) = velocity(:, m)
+        p%state(mass_row, c) = 1/(weight(m)*density(m)*pi/6*diameter(m)**3)
+        p%force(:, c) = 0.0_wp
+        p%diameter(c) = diameter(m)
+        p%weight(c) = weight(m)
+        p%powder(c) = powder(m)
+        p%id(c) = id(m)
+        if (p%with_gas) p%coupled(:, c) = 0.0_wp
+        mass = mass + 1/p%state(mass_row, c)
+      end do
+      p%n = p%n + size(id)
+    end associate
+    self%added = self%added + self%comm%sum(int(size(id), i8))
+    self%mass_added = self%mass_added + self%comm%sum(mass)
+    call self%set_reach()
+    call self%make_lists(self%trouble)
+    call note_places(self)
+  end subroutine add
+
+  !> What follows from the sizes of all parcels: the range of contacts, the skin, and tiles at least so wide.
+  subroutine set_reach(self)
+    class(solids_t), intent(inout) :: self
+
+    real(wp) :: extremes(3), width
+
+    associate (p => self%parcels)
+      extremes = -huge(1.0_wp)
+      if (p%n > 0) extremes = [maxval(p%state(radius_row, 1:p%n)), -minval(p%state(radius_row, 1:p%n)), &
+                               maxval(p%state(mass_row, 1:p%n))]
+    end associate
+    extremes = self%comm%max(extremes)
+    if (extremes(1) < 0.0_wp) return
+    self%largest_radius = max(self%largest_radius, extremes(1))
+    self%smallest_radius = min(self%smallest_radius, -extremes(2))
+    self%smallest_mass = min(self%smallest_mass, 1/extremes(3))
+    self%skin = given(self%numerics%skin, 2*automatic_skin*sqrt(self%smallest_radius*self%largest_radius))
+    self%range = 2*self%largest_radius + self%skin
+    width = max(self%tile_width, self%range)
+    if (allocated(self%tiles%owner)) then
+      if (all(self%tiles%width >= self%range .or. self%tiles%n == 1)) return
+    end if
+    self%tiles = new_tiles(self%comm, self%chamber%lower, self%chamber%upper, self%chamber%periodic, [width, width, width])
+    self%tilings = self%tilings + 1
+  end subroutine set_reach
+
+  !> The longest solids step, from the shortest collision of two parcels or of a parcel and a wall [s].
+  function time_step_limit(self) result(dt)
+    class(solids_t), intent(in) :: self
+    real(wp) :: dt
+
+    if (self%added == 0) then
+      dt = huge(1.0_wp)
+    else
+      dt = min(self%pair_law%contact_time(0.5_wp*self%smallest_mass), self%wall_law%contact_time(self%smallest_mass)) &
+           /self%numerics%steps_per_collision
+    end if
+  end function time_step_limit
+
+  !> Go on by `steps` steps of `dt`. All ranks take part and agree on the outcome.
+  subroutine advance(self, steps, dt, outcome)
+    class(solids_t), intent(inout) :: self
+    integer, intent(in) :: steps
+    real(wp), intent(in) :: dt  !< [s]
+    type(outcome_t), intent(inout) :: outcome
+
+    real(wp) :: fastest, energy, time
+    integer :: step
+
+    if (self%trouble%failed()) outcome = self%trouble
+    if (outcome%failed() .or. steps == 0 .or. self%added == 0) return
+    self%pair_law%dt = dt
+    self%wall_law%dt = dt
+    call drift(self%parcels, dt/2, fastest)
+    call keep_neighbours(self, dt/2, fastest, .true., outcome)
+    do step = 1, steps
+      if (outcome%failed()) return
+      call find_forces(self)
+      time = merge(dt, dt/2, step < steps)
+      call kick_and_drift(self%parcels, self%chamber%gravity, dt, time, fastest, energy)
+      self%time = self%time + dt
+      call keep_neighbours(self, time, fastest, energy <= huge(1.0_wp) .and. self%walls%through == 0, outcome)
+    end do
+  end subroutine advance
+
+  !> Contact forces and torques of this step.
+  subroutine find_forces(self)
+    class(solids_t), intent(inout) :: self
+
+    self%step = self%step + 1
+    self%pair_law%step = self%step
+    self%wall_law%step = self%step
+    if (self%parcels%rotation) then
+      call sweep_friction(self%pair_law, self%list, self%parcels%state, self%parcels%force)
+    else
+      call sweep_frictionless(self%pair_law, self%list, self%parcels%state, self%parcels%force)
+    end if
+    call self%walls%sweep(self%chamber, self%wall_law, self%parcels)
+  end subroutine find_forces
+
+  !> After a drift: make new lists if some parcel may have gone half the skin, else refresh the ghosts.
+  !> The largest speed bounds the way gone; the ways themselves are looked at only when the bound is used up.
+  subroutine keep_neighbours(self, time, fastest, sound, outcome)
+    class(solids_t), intent(inout) :: self
+    real(wp), intent(in) :: time      !< of the drift [s]
+    real(wp), intent(in) :: fastest   !< square of the largest speed on this rank [m2/s2]
+    logical, intent(in) :: sound      !< whether this rank's parcels are where they may be
+    type(outcome_t), intent(inout) :: outcome
+
+    real(wp), parameter :: nearly = 0.8_wp
+    real(wp) :: largest(2)
+
+    largest = [merge(fastest, 0.0_wp, sound), merge(0.0_wp, 1.0_wp, sound)]
+    if (self%comm%size > 1) largest = self%comm%max(largest)
+    if (largest(2) > 0.0_wp) then
+      call find_trouble(self%comm, self%chamber, self%parcels, self%time, outcome)
+      return
+    end if
+    self%travelled = self%travelled + time*sqrt(largest(1))
+    if (self%travelled > 0.5_wp*self%skin) self%travelled = self%comm%max(farthest(self%parcels))
+    if (self%travelled > nearly*0.5_wp*self%skin) then
+      call self%renew_lists(outcome)
+    else
+      call self%ghosts%refresh(self%parcels)
+    end if
+  end subroutine keep_neighbours
+
+  !> The longest way any of my parcels has gone since the lists were made [m].
+  pure function farthest(parcels)
+    type(parcels_t), intent(in) :: parcels
+    real(wp) :: farthest
+
+    real(wp) :: square
+    integer :: i
+
+    square = 0.0_wp
+    do i = 1, parcels%n
+      square = max(square, sum((parcels%state(1:3, i) - parcels%built(:, i))**2))
+    end do
+    farthest = sqrt(square)
+  end function farthest
+
+  !> Take the slips out of the present lists.
+  subroutine keep_history(self)
+    class(solids_t), intent(inout) :: self
+
+    call self%history%clear()
+    if (self%parcels%rotation .and. self%rebuilds > 0) &
+      call self%history%collect(self%list, self%walls, self%parcels, self%step)
+  end subroutine keep_history
+
+  !> New lists for the parcels where they are. All ranks take part.
+  subroutine renew_lists(self, outcome)
+    class(solids_t), intent(inout) :: self
+    type(outcome_t), intent(inout) :: outcome
+
+    call keep_history(self)
+    call self%make_lists(outcome)
+    call note_places(self)
+  end subroutine renew_lists
+
+  !> From here on parcels may go half the skin.
+  pure subroutine note_places(self)
+    class(solids_t), intent(inout) :: self
+
+    integer :: i
+
+    do i = 1, self%parcels%n
+      self%parcels%built(:, i) = self%parcels%state(1:3, i)
+    end do
+    self%travelled = 0.0_wp
+  end subroutine note_places
+
+  !> The lists themselves, with the slips kept in `history`; for `renew_lists` and the reading of restarts.
+  subroutine make_lists(self, outcome)
+    class(solids_t), intent(inout) :: self
+    type(outcome_t), intent(inout) :: outcome
+
+    integer, allocatable :: order(:), place(:)
+    integer :: i
+
+    call check_period(self%chamber, self%range, outcome)
+    call find_trouble(self%comm, self%chamber, self%parcels, self%time, outcome)
+    if (outcome%failed()) return
+    call settle_owners(self)
+    allocate (order(self%parcels%n), place(self%parcels%n))
+    call self%search%sort_own(self%parcels, self%range, order)
+    call self%parcels%reorder(order)
+    place(order) = [(i, i=1, size(order))]
+    call self%history%follow(place)
+    call self%ghosts%invite(self%tiles, self%range, self%parcels)
+    call self%search%build(self%parcels, self%skin, self%list)
+    call self%list%clear_history()
+    call self%walls%build(self%chamber, self%parcels, 0.5_wp*self%skin)
+    if (self%parcels%rotation) call self%history%restore(self%list, self%walls, self%parcels, self%step)
+    self%rebuilds = self%rebuilds + 1
+  end subroutine make_lists
+
+  !> Every parcel to the rank that owns its place; those beyond an open face leave the run.
+  subroutine settle_owners(self)
+    class(solids_t), intent(inout) :: self
+
+    integer :: destination(self%parcels%n), i
+    integer(i8) :: gone
+    real(wp) :: mass
+
+    gone = 0
+    mass = 0.0_wp
+    do i = 1, self%parcels%n
+      associate (x => self%parcels%state(1:3, i), v => self%chamber)
+        call self%tiles%wrap(x)
+        destination(i) = self%tiles%owner_of(x)
+        if (any((v%open(1, :) .and. x < v%lower) .or. (v%open(2, :) .and. x > v%upper))) then
+          destination(i) = nowhere
+          gone = gone + 1
+          mass = mass + 1/self%parcels%state(mass_row, i)
+        end if
+      end associate
+    end do
+    if (any(self%chamber%open)) then
+      self%left = self%left + self%comm%sum(gone)
+      self%mass_left = self%mass_left + self%comm%sum(mass)
+    end if
+    if (self%comm%size > 1 .or. gone > 0) call migrate(self%comm, destination, self%parcels, self%history)
+  end subroutine settle_owners
+
+  !> Deal the tiles out anew if the work, parcels and their contacts, is too unevenly spread. `changed` tells
+  !> whether parcels have moved house. The balance is looked at once for every making of lists.
+  subroutine rebalance(self, changed, outcome)
+    class(solids_t), intent(inout) :: self
+    logical, intent(out) :: changed
+    type(outcome_t), intent(inout) :: outcome
+
+    real(wp) :: work(self%tiles%total)
+    integer :: i, t
+
+    changed = .false.
+    if (self%comm%size == 1 .or. self%weighed == self%rebuilds) return
+    self%weighed = self%rebuilds
+    work = 0.0_wp
+    do i = 1, self%parcels%n
+      t = self%tiles%tile_of(self%parcels%state(1:3, i))
+      work(t) = work(t) + 1 + entry_work*(self%list%first(i + 1) - self%list%first(i))
+    end do
+    if (self%tiles%imbalance(work) <= tolerated_imbalance) return
+    call self%tiles%repartition(work, changed)
+    if (.not. changed) return
+    self%tilings = self%tilings + 1
+    call self%renew_lists(outcome)
+  end subroutine rebalance
+
+end module solids

@@ -1,0 +1,206 @@
+!> Everything the gas equations work on.
+!>
+!> Staggered grid: pressure and void fraction in the cells, velocity component a on the faces across a. A face has
+!> the index of the cell below it, so face (i,j,k) of component 1 lies between cells i and i+1, and index 0 is the
+!> low face of the box. Fields are (-1:n1+2, -1:n2+2, -1:n3+2): two layers around the box of this rank. Beyond the
+!> surface of the domain void fraction, drag and fluxes are zero, which makes the momentum balance of an open
+!> face that of the half cell inside.
+module gas_state
+  use boundary_settings, only: boundary_settings_t
+  use boxes, only: boxes_t
+  use convection, only: limiter_index
+  use gas_boundary, only: gas_boundary_t, new_gas_boundary
+  use gas_numerics, only: gas_numerics_t
+  use gas_settings, only: gas_settings_t
+  use halo, only: halo_t, new_halo
+  use kinds, only: wp
+  use mesh, only: mesh_t
+  use momentum_solver, only: stencil_t, momentum_solver_t
+  use outcome, only: outcome_t
+  use pressure_solver, only: pressure_solver_t
+  implicit none
+  private
+  public :: gas_state_t, gas_report_t, wall_t, create_state, unit_step
+
+  !> What the last step did. Mass flows are means over the step, over all ranks.
+  type :: gas_report_t
+    integer :: iterations = 0                !< SIMPLE iterations
+    integer :: sweeps = 0                    !< momentum sweeps and gradient iterations
+    integer :: pressure_iterations = 0       !< of the multigrid-preconditioned conjugate gradients
+    real(wp) :: inflow = 0.0_wp              !< through inflow faces [kg/s]
+    real(wp) :: outflow = 0.0_wp             !< net, through open faces [kg/s]
+    real(wp) :: accumulation = 0.0_wp        !< growth of the gas mass in the domain [kg/s]
+    real(wp) :: mass_scale = 0.0_wp          !< what mass residuals are compared with: the inflow if there is one [kg/s]
+    real(wp) :: mass_imbalance = 0.0_wp      !< |inflow - outflow - accumulation| over that scale
+    real(wp) :: mass_residual = 0.0_wp       !< sum of the cells' |imbalance| over that scale
+    real(wp) :: momentum_residual = 0.0_wp   !< sum of the faces' |imbalance| over that of the forces
+    real(wp) :: courant = 0.0_wp             !< largest |u| dt/h
+  end type gas_report_t
+
+  !> Friction on one side of the domain, of the faces of one component next to it.
+  type :: wall_t
+    real(wp), allocatable :: conductance(:,:,:)  !< eps mu A/h over the part where the gas sticks [kg/s]
+  end type wall_t
+
+  type :: gas_state_t
+    type(boxes_t) :: boxes
+    type(mesh_t) :: mesh
+    type(halo_t) :: halo
+    type(gas_boundary_t) :: boundary
+    type(gas_numerics_t) :: numerics
+    type(gas_report_t) :: report
+    real(wp) :: density                             !< [kg/m3]
+    real(wp) :: viscosity                           !< dynamic [Pa s]
+    real(wp) :: gravity(3) = 0.0_wp                 !< [m/s2]; its owner sets it before the first step
+    integer :: limiter
+    integer :: first(3, 3) = 1                      !< (b, a): first unknown of component a along b; 0 across the low side
+    real(wp), allocatable :: eps(:,:,:)             !< void fraction at the end of the step [-]
+    real(wp), allocatable :: eps_old(:,:,:)         !< and at its start
+    real(wp), allocatable :: drag(:,:,:)            !< of a cell's particles, per velocity [kg/s]
+    real(wp), allocatable :: drag_source(:,:,:,:)   !< (3,cell): their drag on a gas at rest [N]
+    real(wp), allocatable :: velocity(:,:,:,:)      !< (face, a) in the voids [m/s]
+    real(wp), allocatable :: pressure(:,:,:)        !< [Pa]
+    real(wp), allocatable :: free(:,:,:,:)          !< (face, a): 1 where the velocity is solved for, 0 where given
+    real(wp), allocatable :: eps_face(:,:,:,:)      !< void fraction on faces; that of the inner cell on the surface
+    real(wp), allocatable :: flux(:,:,:,:)          !< mass flow through faces [kg/s]
+    real(wp), allocatable :: fixed(:,:,:,:)         !< diagonal without neighbours: inertia, drag, wall friction [kg/s]
+    real(wp), allocatable :: source(:,:,:,:)        !< inertia, gravity, drag: what does not change in the step [N]
+    real(wp), allocatable :: mobility(:,:,:,:)      !< velocity change per pressure difference, d_f [m/(s Pa)]
+    real(wp), allocatable :: correction(:,:,:)      !< of the pressure [Pa]
+    real(wp), allocatable :: imbalance(:,:,:)       !< mass: outflow + accumulation of each cell [kg/s]
+    real(wp), allocatable :: crossing(:,:,:,:)      !< what crosses faces of momentum cells: see momentum_cells
+    real(wp), allocatable :: forces(:,:,:,:)        !< drag and its source with halos, (cell, 4)
+    real(wp), allocatable :: velocity_before(:,:,:,:), pressure_before(:,:,:)
+    type(wall_t) :: wall(2, 3, 3)                   !< (end, across b, component a)
+    type(stencil_t) :: stencil(3)
+    type(momentum_solver_t) :: momentum
+    type(pressure_solver_t) :: solver
+  end type gas_state_t
+
+contains
+
+  !> A gas at its initial velocity in a domain without particles.
+  subroutine create_state(boxes, mesh, settings, records, numerics, state, outcome)
+    type(boxes_t), intent(in) :: boxes
+    type(mesh_t), intent(in) :: mesh
+    type(gas_settings_t), intent(in) :: settings
+    type(boundary_settings_t), intent(in) :: records(:)
+    type(gas_numerics_t), intent(in) :: numerics
+    class(gas_state_t), intent(inout) :: state
+    type(outcome_t), intent(inout) :: outcome
+
+    integer :: a
+
+    state%boxes = boxes
+    state%mesh = mesh
+    state%halo = new_halo(boxes)
+    state%numerics = numerics
+    state%density = settings%density
+    state%viscosity = settings%viscosity
+    state%limiter = limiter_index(numerics%limiter)
+    if (state%limiter < 0) error stop 'gas_state: the case reader let an unknown limiter pass'
+    call new_gas_boundary(boxes, mesh, records, settings, state%boundary, outcome)
+    if (outcome%failed()) return
+    call allocate_fields(state, boxes%n)
+    call mark_faces(state)
+    do a = 1, 3
+      state%velocity(:, :, :, a) = settings%velocity(a)*state%free(:, :, :, a)
+    end do
+    state%pressure = settings%pressure
+    call set_outer_pressure(state)
+    call state%solver%create(boxes, .not. state%boundary%any_open)
+  end subroutine create_state
+
+  subroutine allocate_fields(state, n)
+    class(gas_state_t), intent(inout) :: state
+    integer, intent(in) :: n(3)
+
+    integer :: m(3)
+
+    m = n + 2
+    allocate (state%eps(-1:m(1), -1:m(2), -1:m(3)), source=0.0_wp)
+    allocate (state%velocity(-1:m(1), -1:m(2), -1:m(3), 3), source=0.0_wp)
+    allocate (state%drag_source(3, -1:m(1), -1:m(2), -1:m(3)), source=0.0_wp)
+    allocate (state%forces(-1:m(1), -1:m(2), -1:m(3), 4), source=0.0_wp)
+    allocate (state%drag, source=state%eps)
+    allocate (state%pressure, source=state%eps)
+    allocate (state%correction, source=state%eps)
+    allocate (state%pressure_before, source=state%eps)
+    allocate (state%free, source=state%velocity)
+    allocate (state%eps_face, source=state%velocity)
+    allocate (state%flux, source=state%velocity)
+    allocate (state%fixed, source=state%velocity)
+    allocate (state%source, source=state%velocity)
+    allocate (state%mobility, source=state%velocity)
+    allocate (state%velocity_before, source=state%velocity)
+    allocate (state%crossing(-1:n(1), -1:n(2), -1:n(3), 3), source=0.0_wp)
+    allocate (state%imbalance(n(1), n(2), n(3)), source=0.0_wp)
+    state%eps(1:n(1), 1:n(2), 1:n(3)) = 1.0_wp
+    call state%halo%exchange(state%eps)
+    allocate (state%eps_old, source=state%eps)
+  end subroutine allocate_fields
+
+  !> Which faces are solved for: all within the domain, those on joined sides and the open ones.
+  subroutine mark_faces(state)
+    class(gas_state_t), intent(inout) :: state
+
+    integer :: a, n(3)
+
+    n = state%boxes%n
+    do a = 1, 3
+      state%free(1:n(1), 1:n(2), 1:n(3), a) = 1.0_wp
+      if (state%boxes%at_low(a)) state%first(a, a) = 0
+      call mark_side(state, a, 1)
+      call mark_side(state, a, 2)
+      if (.not. (state%boxes%periodic(a) .or. state%boxes%cells(a) > 1 .or. state%boundary%open_across(a))) cycle
+      call state%stencil(a)%allocate_faces(state%first(:, a), n)
+    end do
+    call state%halo%exchange_many(state%free)
+  end subroutine mark_faces
+
+  subroutine mark_side(state, a, end)
+    class(gas_state_t), intent(inout) :: state
+    integer, intent(in) :: a, end
+
+    integer :: lo(3), hi(3)
+
+    if (.not. state%boundary%side(end, a)%mine) return
+    lo = 1
+    hi = state%boxes%n
+    lo(a) = merge(0, hi(a), end == 1)
+    hi(a) = lo(a)
+    state%free(lo(1):hi(1), lo(2):hi(2), lo(3):hi(3), a) = &
+      merge(1.0_wp, 0.0_wp, state%boundary%side(end, a)%open(lo(1):hi(1), lo(2):hi(2), lo(3):hi(3)))
+  end subroutine mark_side
+
+  !> The pressure given on open faces, kept in the layer beyond them.
+  subroutine set_outer_pressure(state)
+    class(gas_state_t), intent(inout) :: state
+
+    integer :: a, end, lo(3), hi(3), beyond(3)
+
+    do a = 1, 3
+      do end = 1, 2
+        associate (side => state%boundary%side(end, a))
+          if (.not. side%mine) cycle
+          lo = 1
+          hi = state%boxes%n
+          lo(a) = merge(0, hi(a), end == 1)
+          hi(a) = lo(a)
+          beyond = (end - 1)*unit_step(a)
+          state%pressure(lo(1) + beyond(1):hi(1) + beyond(1), lo(2) + beyond(2):hi(2) + beyond(2), &
+                         lo(3) + beyond(3):hi(3) + beyond(3)) = side%pressure(lo(1):hi(1), lo(2):hi(2), lo(3):hi(3))
+        end associate
+      end do
+    end do
+  end subroutine set_outer_pressure
+
+  pure function unit_step(a) result(e)
+    integer, intent(in) :: a
+    integer :: e(3)
+
+    e = 0
+    e(a) = 1
+  end function unit_step
+
+end module gas_state

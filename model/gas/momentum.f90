@@ -1,0 +1,297 @@
+!> The momentum equation of the gas on the faces of the grid, one component at a time,
+!>
+!>   eps_old rho V/dt (u - u_old) + sum of (F u)_out - u sum of F_out
+!>       = -eps_f A (p_above - p_below) + div(eps mu grad u) V + eps rho g V + S - B u
+!>
+!> which is the conservative equation less u times the continuity equation: the diagonal is never smaller than the
+!> sum of the neighbours. Convection is upwind in the matrix, the limiter's addition in the right-hand side.
+!> The viscous stress is eps mu grad u (Laplacian form). Drag B u - S comes from the cells on both sides of a face.
+module momentum
+  use gas_state, only: gas_state_t, wall_t, unit_step
+  use kinds, only: wp
+  use momentum_cells, only: find_crossing, wall_conductance
+  implicit none
+  private
+  public :: prepare_momentum, assemble_momentum
+
+  !> Friction on a wall at u = 0 from a parabola through the wall and the next two unknowns,
+  !>   du/dy = (9 u_1 - u_2)/(3 h),  that is 8/3 u_1 - (u_2 - u_1)/3 over h.
+  !> It makes the flow between plates exact, where a straight line to the wall leaves an error of dp/dx h^2/(8 mu).
+  real(wp), parameter :: parabola_own = 8.0_wp/3.0_wp
+  real(wp), parameter :: parabola_next = 1.0_wp/3.0_wp
+  real(wp), parameter :: straight = 2.0_wp  !< the straight line, where the domain is one cell wide
+
+contains
+
+  !> What stays the same over the iterations of a step: diagonals, sources and mobilities.
+  subroutine prepare_momentum(state, dt)
+    class(gas_state_t), intent(inout) :: state
+    real(wp), intent(in) :: dt  !< [s]
+
+    integer :: a
+
+    do a = 1, 3
+      if (.not. state%stencil(a)%active) cycle
+      call set_fixed(state, a, dt)
+      call add_friction(state, a)
+      call set_mobility(state, a)
+    end do
+  end subroutine prepare_momentum
+
+  !> Inertia and drag of each face. A cell gives half of its drag to each of its free faces across a, or all of it to
+  !> the only one. Given faces keep their velocity, in a row of the size of the others.
+  subroutine set_fixed(state, a, dt)
+    class(gas_state_t), intent(inout) :: state
+    integer, intent(in) :: a
+    real(wp), intent(in) :: dt
+
+    integer :: i, j, k, e(3), x, y, z
+    real(wp) :: mass, inertia, weight, below, above
+
+    e = unit_step(a)
+    mass = state%density*state%mesh%volume
+    associate (free => state%free, forces => state%forces, first => state%first(:, a), n => state%boxes%n)
+      do k = first(3), n(3)
+        z = k + e(3)
+        do j = first(2), n(2)
+          y = j + e(2)
+          do i = first(1), n(1)
+            x = i + e(1)
+            below = 1 - 0.5_wp*free(i - e(1), j - e(2), k - e(3), a)
+            above = 1 - 0.5_wp*free(x, y, z, a)
+            inertia = 0.5_wp*mass/dt*(state%eps_old(i, j, k) + state%eps_old(x, y, z))
+            weight = 0.5_wp*mass*state%gravity(a)*(state%eps(i, j, k) + state%eps(x, y, z))
+            state%fixed(i, j, k, a) = free(i, j, k, a)*(inertia + below*forces(i, j, k, 1) + above*forces(x, y, z, 1)) &
+              + (1 - free(i, j, k, a))*mass/dt
+            state%source(i, j, k, a) = &
+              free(i, j, k, a)*(inertia*state%velocity_before(i, j, k, a) + weight &
+                                + below*forces(i, j, k, 1 + a) + above*forces(x, y, z, 1 + a)) &
+              + (1 - free(i, j, k, a))*mass/dt*state%velocity(i, j, k, a)
+          end do
+        end do
+      end do
+    end associate
+  end subroutine set_fixed
+
+  !> The part of wall friction that acts on a face's own velocity alone.
+  subroutine add_friction(state, a)
+    class(gas_state_t), intent(inout) :: state
+    integer, intent(in) :: a
+
+    integer :: b, end, i, j, k, lo(3), hi(3)
+    real(wp) :: share, wall
+
+    do b = 1, 3
+      if (b == a) cycle
+      share = merge(straight, parabola_own, state%mesh%n(b) == 1)
+      do end = 1, 2
+        if (.not. state%boundary%side(end, b)%mine) cycle
+        call layer_along(state, a, b, end, lo, hi)
+        call reserve(state%wall(end, b, a), lo, hi)
+        do k = lo(3), hi(3)
+          do j = lo(2), hi(2)
+            do i = lo(1), hi(1)
+              wall = state%free(i, j, k, a)*wall_conductance(state, a, b, end, [i, j, k])
+              state%wall(end, b, a)%conductance(i, j, k) = wall
+              state%fixed(i, j, k, a) = state%fixed(i, j, k, a) + share*wall
+            end do
+          end do
+        end do
+      end do
+    end do
+  end subroutine add_friction
+
+  !> Room for the conductances of one wall, made in the first step.
+  pure subroutine reserve(wall, lo, hi)
+    type(wall_t), intent(inout) :: wall
+    integer, intent(in) :: lo(3), hi(3)
+
+    if (.not. allocated(wall%conductance)) allocate (wall%conductance(lo(1):hi(1), lo(2):hi(2), lo(3):hi(3)))
+  end subroutine reserve
+
+  !> The unknowns of component a in the layer next to one side of the domain across b.
+  pure subroutine layer_along(state, a, b, end, lo, hi)
+    class(gas_state_t), intent(in) :: state
+    integer, intent(in) :: a, b, end
+    integer, intent(out) :: lo(3), hi(3)
+
+    lo = state%first(:, a)
+    hi = state%boxes%n
+    if (end == 1) hi(b) = lo(b)
+    if (end == 2) lo(b) = hi(b)
+  end subroutine layer_along
+
+  !> SIMPLEC: if the neighbours' velocities change as much as a face's own, only `fixed` resists a pressure change
+  !> (Van Doormaal and Raithby, Numer. Heat Transfer 7 (1984) 147, eq. 20).
+  subroutine set_mobility(state, a)
+    class(gas_state_t), intent(inout) :: state
+    integer, intent(in) :: a
+
+    integer :: i, j, k
+
+    associate (first => state%first(:, a), n => state%boxes%n, area => state%mesh%area(a))
+      do k = first(3), n(3)
+        do j = first(2), n(2)
+          do i = first(1), n(1)
+            state%mobility(i, j, k, a) = state%free(i, j, k, a)*state%eps_face(i, j, k, a)*area/state%fixed(i, j, k, a)
+          end do
+        end do
+      end do
+    end associate
+  end subroutine set_mobility
+
+  !> Matrix and right-hand side of every component from the fluxes, velocities and pressures at hand.
+  subroutine assemble_momentum(state)
+    class(gas_state_t), intent(inout) :: state
+
+    integer :: a, b
+
+    do a = 1, 3
+      if (.not. state%stencil(a)%active) cycle
+      call start_rows(state, a)
+      do b = 1, 3
+        call find_crossing(state, a, b)
+        call add_direction(state, a, b)
+        call close_ends(state, a, b)
+      end do
+      call keep_given(state, a)
+    end do
+  end subroutine assemble_momentum
+
+  !> The rows without their neighbours.
+  subroutine start_rows(state, a)
+    class(gas_state_t), intent(inout) :: state
+    integer, intent(in) :: a
+
+    integer :: lo(3), n(3)
+
+    lo = state%first(:, a)
+    n = state%boxes%n
+    state%stencil(a)%centre(:, :, :) = state%fixed(lo(1):n(1), lo(2):n(2), lo(3):n(3), a)
+    state%stencil(a)%rhs(:, :, :) = state%source(lo(1):n(1), lo(2):n(2), lo(3):n(3), a)
+    call push(lo, n, a, state%mesh%area(a), state%eps_face(:, :, :, a), state%pressure, state%stencil(a)%rhs)
+  end subroutine start_rows
+
+  !> rhs - eps_f A (p_above - p_below)
+  pure subroutine push(lo, n, a, area, eps_face, p, rhs)
+    integer, intent(in) :: lo(3), n(3), a
+    real(wp), intent(in) :: area
+    real(wp), intent(in), dimension(-1:n(1) + 2, -1:n(2) + 2, -1:n(3) + 2) :: eps_face, p
+    real(wp), intent(inout) :: rhs(lo(1):n(1), lo(2):n(2), lo(3):n(3))
+
+    integer :: i, j, k, e(3)
+
+    e = unit_step(a)
+    do k = lo(3), n(3)
+      do j = lo(2), n(2)
+        do i = lo(1), n(1)
+          rhs(i, j, k) = rhs(i, j, k) - eps_face(i, j, k)*area*(p(i + e(1), j + e(2), k + e(3)) - p(i, j, k))
+        end do
+      end do
+    end do
+  end subroutine push
+
+  !> Neighbours below and above along b.
+  subroutine add_direction(state, a, b)
+    class(gas_state_t), intent(inout) :: state
+    integer, intent(in) :: a, b
+
+    associate (s => state%stencil(a))
+      call add_neighbours(s%lo, s%n, b, state%crossing, s%low(:, :, :, b), s%high(:, :, :, b), s%centre)
+      call add_limited(s%lo, s%n, b, state%crossing, s%rhs)
+    end associate
+  end subroutine add_direction
+
+  !> Coefficients of the neighbours, which the diagonal gathers.
+  pure subroutine add_neighbours(lo, n, b, crossing, low, high, centre)
+    integer, intent(in) :: lo(3), n(3), b
+    real(wp), intent(in) :: crossing(-1:n(1), -1:n(2), -1:n(3), 3)
+    real(wp), intent(out), dimension(lo(1):n(1), lo(2):n(2), lo(3):n(3)) :: low, high
+    real(wp), intent(inout) :: centre(lo(1):n(1), lo(2):n(2), lo(3):n(3))
+
+    integer :: i, j, k, s(3)
+
+    s = unit_step(b)
+    do k = lo(3), n(3)
+      do j = lo(2), n(2)
+        do i = lo(1), n(1)
+          low(i, j, k) = crossing(i - s(1), j - s(2), k - s(3), 1)
+          high(i, j, k) = crossing(i, j, k, 2)
+          centre(i, j, k) = centre(i, j, k) + (low(i, j, k) + high(i, j, k))
+        end do
+      end do
+    end do
+  end subroutine add_neighbours
+
+  !> What the limiter adds to the upwind flows in, less what it adds to those out.
+  pure subroutine add_limited(lo, n, b, crossing, rhs)
+    integer, intent(in) :: lo(3), n(3), b
+    real(wp), intent(in) :: crossing(-1:n(1), -1:n(2), -1:n(3), 3)
+    real(wp), intent(inout) :: rhs(lo(1):n(1), lo(2):n(2), lo(3):n(3))
+
+    integer :: i, j, k, s(3)
+
+    s = unit_step(b)
+    do k = lo(3), n(3)
+      do j = lo(2), n(2)
+        do i = lo(1), n(1)
+          rhs(i, j, k) = rhs(i, j, k) + (crossing(i - s(1), j - s(2), k - s(3), 3) - crossing(i, j, k, 3))
+        end do
+      end do
+    end do
+  end subroutine add_limited
+
+  !> On the surface of the domain there is no neighbour: what comes in brings no momentum along the face, and what
+  !> comes back through an open face none at all, so its flux stays in the diagonal and damps.
+  subroutine close_ends(state, a, b)
+    class(gas_state_t), intent(inout) :: state
+    integer, intent(in) :: a, b
+
+    integer :: end, lo(3), hi(3)
+
+    associate (s => state%stencil(a))
+      do end = 1, 2
+        if (.not. state%boundary%side(end, b)%mine) cycle
+        call layer_along(state, a, b, end, lo, hi)
+        if (end == 1) s%low(lo(1):hi(1), lo(2):hi(2), lo(3):hi(3), b) = 0.0_wp
+        if (end == 2) s%high(lo(1):hi(1), lo(2):hi(2), lo(3):hi(3), b) = 0.0_wp
+        if (b == a .or. state%mesh%n(b) == 1) cycle
+        associate (centre => s%centre(lo(1):hi(1), lo(2):hi(2), lo(3):hi(3)), &
+                   inner_high => s%high(lo(1):hi(1), lo(2):hi(2), lo(3):hi(3), b), &
+                   inner_low => s%low(lo(1):hi(1), lo(2):hi(2), lo(3):hi(3), b), &
+                   wall => state%wall(end, b, a)%conductance)
+          centre = centre + parabola_next*wall
+          if (end == 1) inner_high = inner_high + parabola_next*wall
+          if (end == 2) inner_low = inner_low + parabola_next*wall
+        end associate
+      end do
+    end associate
+  end subroutine close_ends
+
+  !> Rows of the faces across a whose velocity is given.
+  subroutine keep_given(state, a)
+    class(gas_state_t), intent(inout) :: state
+    integer, intent(in) :: a
+
+    integer :: i, j, k, end, lo(3), hi(3)
+
+    associate (s => state%stencil(a))
+      do end = 1, 2
+        if (.not. state%boundary%side(end, a)%mine) cycle
+        call layer_along(state, a, a, end, lo, hi)
+        do k = lo(3), hi(3)
+          do j = lo(2), hi(2)
+            do i = lo(1), hi(1)
+              if (state%free(i, j, k, a) > 0.0_wp) cycle
+              s%low(i, j, k, :) = 0.0_wp
+              s%high(i, j, k, :) = 0.0_wp
+              s%centre(i, j, k) = state%fixed(i, j, k, a)
+              s%rhs(i, j, k) = state%source(i, j, k, a)
+            end do
+          end do
+        end do
+      end do
+    end associate
+  end subroutine keep_given
+
+end module momentum

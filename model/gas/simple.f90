@@ -1,0 +1,234 @@
+!> One implicit step of the gas: SIMPLE iterations until mass and momentum balance.
+!>
+!> Patankar and Spalding, Int. J. Heat Mass Transfer 15 (1972) 1787, in the SIMPLEC form, which needs no
+!> under-relaxation: momentum predicts velocities, the pressure correction makes them conserve mass, and what that
+!> does to momentum is seen at the start of the next iteration, where the step ends when it is small enough.
+module simple
+  use gas_state, only: gas_state_t, gas_report_t, unit_step
+  use kinds, only: wp
+  use momentum, only: prepare_momentum, assemble_momentum
+  use momentum_cells, only: fill_beyond
+  use pressure_correction, only: prepare_faces, prepare_pressure, update_flux, find_imbalance, correct
+  implicit none
+  private
+  public :: advance_state, restore_state
+
+  real(wp), parameter :: sweep_reduction = 0.1_wp     !< of the momentum residual by the linear solver per iteration
+  real(wp), parameter :: usual_reduction = 0.1_wp     !< of the mass imbalance by the pressure solver per iteration
+  real(wp), parameter :: tightest = 1.0e-13_wp        !< reduction that round-off still allows
+  real(wp), parameter :: margin = 0.3_wp              !< how far below the tolerance the pressure solver aims
+  real(wp), parameter :: nearly = 3.0_wp              !< times the velocity tolerance: one more iteration will do
+  real(wp), parameter :: hopeless = 1.0e6_wp          !< times its scale: a mass residual that will not come back
+
+contains
+
+  !> Take the gas from t to t + dt. If it does not converge everything but the report is as it was.
+  subroutine advance_state(state, dt, converged)
+    class(gas_state_t), intent(inout) :: state
+    real(wp), intent(in) :: dt  !< [s]
+    logical, intent(out) :: converged
+
+    real(wp) :: force_scale, first, mass
+    integer :: iteration
+
+    state%report = gas_report_t()
+    state%momentum%sweeps = 0
+    converged = .false.
+    if (.not. inputs_are_numbers(state)) return
+    call begin_step(state, dt, force_scale, mass)
+    do iteration = 0, state%numerics%maximum_iterations
+      call assemble_momentum(state)
+      call judge(state, mass, force_scale, first)
+      converged = state%report%mass_residual <= state%numerics%tolerance .and. iteration > 0 .and. &
+                  state%report%momentum_residual <= state%numerics%velocity_tolerance
+      if (converged .or. iteration == state%numerics%maximum_iterations .or. lost(state)) exit
+      call predict_velocity(state, first)
+      call correct_pressure(state, dt, mass)
+      state%report%iterations = iteration + 1
+    end do
+    if (converged) call report_flows(state, dt)
+    if (.not. converged) call restore_state(state)
+  end subroutine advance_state
+
+  !> Everything that holds for the whole step.
+  subroutine begin_step(state, dt, force_scale, mass)
+    class(gas_state_t), intent(inout) :: state
+    real(wp), intent(in) :: dt
+    real(wp), intent(out) :: force_scale  !< sum of the forces that do not change in the step [N]
+    real(wp), intent(out) :: mass         !< sum of the cells' |imbalance| [kg/s]
+
+    integer :: a
+
+    state%velocity_before = state%velocity
+    state%pressure_before = state%pressure
+    state%forces(:, :, :, 1) = state%drag
+    do a = 1, 3
+      state%forces(:, :, :, 1 + a) = state%drag_source(a, :, :, :)
+    end do
+    call state%halo%exchange(state%eps)
+    call state%halo%exchange_many(state%forces)
+    call prepare_faces(state)
+    call prepare_momentum(state, dt)
+    call prepare_pressure(state)
+    call state%halo%exchange_many(state%velocity)
+    call fill_beyond(state)
+    call update_flux(state)
+    state%report%mass_scale = mass_scale(state, dt)
+    mass = find_imbalance(state, dt)
+    force_scale = state%boxes%comm%sum(sum(abs(state%source)))
+  end subroutine begin_step
+
+  !> What mass residuals are measured by: the inflow; without one the flow that goes round, the gas that moving
+  !> particles push, or what gravity would set in motion in one step if nothing held it, whichever is largest [kg/s].
+  function mass_scale(state, dt) result(scale)
+    class(gas_state_t), intent(in) :: state
+    real(wp), intent(in) :: dt
+    real(wp) :: scale
+
+    integer :: a
+    real(wp) :: flows(4)
+
+    scale = state%density*state%boundary%inflow
+    if (scale > 0.0_wp) return
+    associate (n => state%boxes%n, m => state%mesh)
+      do a = 1, 3
+        flows(a) = sum(abs(state%flux(1:n(1), 1:n(2), 1:n(3), a)))/m%n(a)
+      end do
+      flows(4) = state%density*m%volume/dt*sum(abs(state%eps(1:n(1), 1:n(2), 1:n(3)) - state%eps_old(1:n(1), 1:n(2), 1:n(3))))
+      flows = state%boxes%comm%sum(flows)
+      scale = max(maxval(flows), maxval(state%density*m%area*abs(state%gravity)*dt))
+    end associate
+  end function mass_scale
+
+  !> Residuals of the velocities and pressures at hand, relative.
+  subroutine judge(state, mass, force_scale, first)
+    class(gas_state_t), intent(inout) :: state
+    real(wp), intent(in) :: mass, force_scale
+    real(wp), intent(out) :: first  !< momentum residual [N]
+
+    real(wp) :: sums(2)
+
+    sums = state%momentum%residual(state%stencil, state%velocity, state%boxes%comm)
+    first = sums(1)
+    state%report%momentum_residual = ratio(sums(1), force_scale + sums(2))
+    state%report%mass_residual = ratio(mass, state%report%mass_scale)
+  end subroutine judge
+
+  !> x/y, and 0 for nothing of nothing.
+  pure function ratio(x, y)
+    real(wp), intent(in) :: x, y
+    real(wp) :: ratio
+
+    ratio = x
+    if (y > 0.0_wp) ratio = x/y
+  end function ratio
+
+  !> Velocities that satisfy momentum with the pressure at hand.
+  subroutine predict_velocity(state, first)
+    class(gas_state_t), intent(inout) :: state
+    real(wp), intent(in) :: first
+
+    call state%momentum%solve(state%stencil, state%velocity, first, sweep_reduction, state%halo, state%boxes%comm)
+  end subroutine predict_velocity
+
+  !> Pressure and velocities that satisfy continuity, as closely as the momentum residual makes worthwhile.
+  subroutine correct_pressure(state, dt, mass)
+    class(gas_state_t), intent(inout) :: state
+    real(wp), intent(in) :: dt
+    real(wp), intent(out) :: mass  !< sum of |imbalance| that is left [kg/s]
+
+    real(wp) :: aim, reduction
+
+    call update_flux(state)
+    mass = find_imbalance(state, dt)
+    aim = margin*state%numerics%tolerance*state%report%mass_scale
+    reduction = usual_reduction
+    if (mass > 0.0_wp) then
+      if (state%report%momentum_residual <= nearly*state%numerics%velocity_tolerance) reduction = aim/mass
+      reduction = min(max(reduction, aim/mass, tightest), usual_reduction)
+    end if
+    call correct(state, reduction)
+    call fill_beyond(state)
+    call update_flux(state)
+    mass = find_imbalance(state, dt)
+  end subroutine correct_pressure
+
+  !> Whether a step cannot be saved: not a number, or far away.
+  pure function lost(state)
+    class(gas_state_t), intent(in) :: state
+    logical :: lost
+
+    associate (mass => state%report%mass_residual, momentum => state%report%momentum_residual)
+      lost = is_not_a_number(mass) .or. is_not_a_number(momentum)
+      if (.not. lost) lost = state%report%iterations > 1 .and. mass > hopeless
+    end associate
+  end function lost
+
+  !> Does not raise a floating-point exception, as comparisons by size would.
+  pure function is_not_a_number(x)
+    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+    real(wp), intent(in) :: x
+    logical :: is_not_a_number
+
+    is_not_a_number = .not. ieee_is_finite(x)
+  end function is_not_a_number
+
+  !> Whether what coupling hands over is finite; all ranks get the same answer.
+  function inputs_are_numbers(state) result(ok)
+    class(gas_state_t), intent(in) :: state
+    logical :: ok
+
+    associate (n => state%boxes%n)
+      ok = .not. state%boxes%comm%any_of(is_not_a_number( &
+        sum(state%eps(1:n(1), 1:n(2), 1:n(3))) + sum(state%drag(1:n(1), 1:n(2), 1:n(3))) &
+        + sum(state%drag_source(:, 1:n(1), 1:n(2), 1:n(3)))))
+    end associate
+  end function inputs_are_numbers
+
+  !> The gas as it was before the last step.
+  subroutine restore_state(state)
+    class(gas_state_t), intent(inout) :: state
+
+    state%velocity = state%velocity_before
+    state%pressure = state%pressure_before
+  end subroutine restore_state
+
+  !> The mass balance of the whole domain over the step, from the fluxes themselves.
+  subroutine report_flows(state, dt)
+    class(gas_state_t), intent(inout) :: state
+    real(wp), intent(in) :: dt
+
+    integer :: a, end, lo(3), hi(3)
+    real(wp) :: sums(3), inward, courant
+
+    sums = 0.0_wp
+    courant = 0.0_wp
+    associate (n => state%boxes%n, eps => state%eps, old => state%eps_old, report => state%report)
+      do a = 1, 3
+        courant = max(courant, maxval(abs(state%velocity(1:n(1), 1:n(2), 1:n(3), a)))*dt/state%mesh%h(a))
+        do end = 1, 2
+          if (.not. state%boundary%side(end, a)%mine) cycle
+          lo = 1
+          hi = n
+          lo(a) = merge(0, n(a), end == 1)
+          hi(a) = lo(a)
+          inward = merge(1.0_wp, -1.0_wp, end == 1)
+          associate (g => state%flux(lo(1):hi(1), lo(2):hi(2), lo(3):hi(3), a), &
+                     free => state%free(lo(1):hi(1), lo(2):hi(2), lo(3):hi(3), a))
+            sums(1) = sums(1) + inward*sum(g*(1 - free))
+            sums(2) = sums(2) - inward*sum(g*free)
+          end associate
+        end do
+      end do
+      sums(3) = state%density*state%mesh%volume/dt*sum(eps(1:n(1), 1:n(2), 1:n(3)) - old(1:n(1), 1:n(2), 1:n(3)))
+      sums = state%boxes%comm%sum(sums)
+      report%inflow = sums(1)
+      report%outflow = sums(2)
+      report%accumulation = sums(3)
+      report%mass_imbalance = ratio(abs(sums(1) - sums(2) - sums(3)), report%mass_scale)
+      report%courant = state%boxes%comm%max(courant)
+      report%sweeps = state%momentum%sweeps
+    end associate
+  end subroutine report_flows
+
+end module simple

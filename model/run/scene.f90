@@ -1,0 +1,278 @@
+!> Everything that is simulated, and how it takes one step: the gas, the parcels, and what they do to each other.
+!>
+!> A gas step from t to t + dt:
+!>   1. the void fraction and the drag of the parcels where they are, for a step of dt;
+!>   2. the gas, implicitly, until it converges: otherwise again from the same state with half the step;
+!>   3. the force of the gas on the parcels, exactly what the gas has felt, constant over the step;
+!>   4. the parcels, in as many equal solids steps as their shortest collision asks for.
+!> So the gas sees the void fraction change one step after the parcels have moved. Where the step becomes shorter
+!> than the time the parcels have moved unseen, it sees that share of the change, and the rest in the next steps:
+!> the rate of change stays what it was, and no gas volume is lost.
+module scene
+  use boundary_settings, only: boundary_settings_t
+  use boxes, only: boxes_t, new_boxes
+  use case, only: case_t
+  use chamber, only: chamber_t
+  use communicator, only: communicator_t
+  use coupling, only: coupling_t
+  use domain_settings, only: domain_settings_t
+  use gas, only: gas_t, new_gas
+  use kinds, only: wp, i8
+  use mesh, only: mesh_t, new_mesh
+  use outcome, only: outcome_t, exit_failed
+  use solids, only: solids_t
+  use text, only: shown
+  use timing, only: stopwatch_t
+  implicit none
+  private
+  public :: scene_t, step_report_t, parts, part_coupling, part_gas, part_parcels, part_output
+
+  integer, parameter :: part_coupling = 1, part_gas = 2, part_parcels = 3, part_output = 4
+  character(len=8), parameter :: parts(4) = ['coupling', 'gas     ', 'parcels ', 'output  ']
+
+  integer, parameter :: patience = 10  !< steps that converge before a halved step is doubled again
+
+  !> What the last step was like.
+  type :: step_report_t
+    real(wp) :: dt = 0        !< of the gas [s]
+    integer :: retries = 0    !< how often the step was halved
+    integer :: solids_steps = 0
+  end type step_report_t
+
+  type :: scene_t
+    type(communicator_t) :: comm
+    logical :: with_gas = .false., with_parcels = .false.
+    integer :: maximum_halvings = 0
+    real(wp) :: longest_step = 0        !< of the gas [s]
+    type(mesh_t) :: mesh                !< with a gas; so are boxes, gas and coupling
+    type(boxes_t) :: boxes
+    type(gas_t) :: gas
+    type(solids_t) :: solids            !< with parcels
+    type(coupling_t) :: coupling        !< with both
+    real(wp) :: time = 0                !< [s]
+    integer(i8) :: steps = 0            !< of the gas, since the start of the run
+    integer :: halvings = 0             !< the next step is longest_step/2**halvings
+    integer :: good_steps = 0           !< without a retry, in a row
+    real(wp) :: unseen = 0              !< time the parcels have moved without the gas seeing it [s]
+    logical :: begun = .false.          !< whether the gas has met the parcels
+    type(step_report_t) :: report
+    type(stopwatch_t) :: watch
+    real(wp), allocatable :: mapped(:,:,:)  !< void fraction of the parcels where they are (n1,n2,n3)
+  contains
+    procedure :: create
+    procedure :: advance
+    procedure :: next_step
+  end type scene_t
+
+contains
+
+  !> An empty scene for a case.
+  subroutine create(self, comm, case, outcome)
+    class(scene_t), intent(out) :: self
+    type(communicator_t), intent(in) :: comm
+    type(case_t), intent(in) :: case
+    type(outcome_t), intent(inout) :: outcome
+
+    self%comm = comm
+    self%with_gas = case%with_gas
+    self%with_parcels = case%with_parcels
+    self%longest_step = case%gas_numerics%time_step
+    self%maximum_halvings = case%gas_numerics%maximum_halvings
+    call self%watch%start(parts)
+    if (self%with_gas) call create_gas(self, case, outcome)
+    if (outcome%failed()) return
+    if (self%with_parcels) call self%solids%create(comm, chamber_of(case%domain, case%boundaries), case%contact, case%des, &
+                                                   self%with_gas, tile_width(self))
+    if (self%with_gas .and. self%with_parcels) &
+      call self%coupling%create(self%mesh, self%boxes, case%coupling, case%gas, case%domain%gravity)
+  end subroutine create
+
+  subroutine create_gas(self, case, outcome)
+    type(scene_t), intent(inout) :: self
+    type(case_t), intent(in) :: case
+    type(outcome_t), intent(inout) :: outcome
+
+    associate (d => case%domain)
+      self%mesh = new_mesh(d%lower, d%upper, d%cells, d%periodic)
+      call new_boxes(self%comm, d%cells, d%periodic, self%boxes, outcome)
+      if (outcome%failed()) return
+      call new_gas(self%boxes, self%mesh, case%gas, case%boundaries, case%gas_numerics, self%gas, outcome)
+      self%gas%gravity = d%gravity
+    end associate
+    associate (n => self%boxes%n)
+      allocate (self%mapped(n(1), n(2), n(3)), source=1.0_wp)
+    end associate
+  end subroutine create_gas
+
+  !> Tiles of a gas cell or more, so that what a rank reads of the gas is not much more than its own.
+  pure function tile_width(self) result(width)
+    type(scene_t), intent(in) :: self
+    real(wp) :: width
+
+    width = 0.0_wp
+    if (self%with_gas) width = maxval(self%mesh%h)
+  end function tile_width
+
+  !> The box of the parcels: every face is a wall but the periodic ones and those a boundary opens as a whole.
+  pure function chamber_of(domain, boundaries) result(chamber)
+    type(domain_settings_t), intent(in) :: domain
+    type(boundary_settings_t), intent(in) :: boundaries(:)
+    type(chamber_t) :: chamber
+
+    integer :: a, b
+    logical :: spans(3)
+
+    chamber%lower = domain%lower
+    chamber%upper = domain%upper
+    chamber%periodic = domain%periodic
+    chamber%gravity = domain%gravity
+    do b = 1, size(boundaries)
+      if (boundaries(b)%parcels /= 'open') cycle
+      do a = 1, 3
+        spans = boundaries(b)%lower <= domain%lower .and. boundaries(b)%upper >= domain%upper
+        spans(a) = .true.
+        if (.not. all(spans)) cycle
+        if (boundaries(b)%lower(a) <= domain%lower(a)) chamber%open(1, a) = .true.
+        if (boundaries(b)%upper(a) >= domain%upper(a)) chamber%open(2, a) = .true.
+      end do
+    end do
+  end function chamber_of
+
+  !> Length of the next gas step [s].
+  pure function next_step(self) result(dt)
+    class(scene_t), intent(in) :: self
+    real(wp) :: dt
+
+    dt = self%longest_step/2**self%halvings
+  end function next_step
+
+  !> One step of at most `limit`. All ranks agree on the outcome; where it failed nothing has moved since the last
+  !> good step but, at worst, the parcels within the present one.
+  subroutine advance(self, limit, outcome)
+    class(scene_t), intent(inout) :: self
+    real(wp), intent(in) :: limit  !< [s]
+    type(outcome_t), intent(inout) :: outcome
+
+    self%report = step_report_t(dt=min(self%next_step(), limit))
+    if (self%with_gas) call advance_gas(self, outcome)
+    if (outcome%failed()) return
+    if (self%with_parcels) call advance_parcels(self, outcome)
+    if (outcome%failed()) return
+    self%time = self%time + self%report%dt
+    self%steps = self%steps + 1
+  end subroutine advance
+
+  !> The gas, with as short a step as it takes to converge, and its force on the parcels.
+  subroutine advance_gas(self, outcome)
+    class(scene_t), intent(inout) :: self
+    type(outcome_t), intent(inout) :: outcome
+
+    logical :: converged
+    real(wp) :: share
+
+    if (self%with_parcels) call see_parcels(self)
+    do
+      share = seen_share(self)
+      if (self%with_parcels) call prepare(self, share)
+      call self%watch%enter(part_gas)
+      call self%gas%advance(self%report%dt, converged)
+      call self%watch%leave()
+      if (converged) exit
+      if (self%halvings == self%maximum_halvings) then
+        call outcome%fail(exit_failed, no_convergence(self))
+        return
+      end if
+      self%halvings = self%halvings + 1
+      self%good_steps = 0
+      self%report%retries = self%report%retries + 1
+      self%report%dt = self%report%dt/2
+    end do
+    call self%gas%accept()
+    self%unseen = (1 - share)*self%unseen
+    call lengthen(self)
+    if (.not. self%with_parcels) return
+    self%unseen = self%unseen + self%report%dt
+    call self%watch%enter(part_coupling)
+    call self%coupling%drive(self%solids%parcels, self%gas, self%report%dt)
+    call self%watch%leave()
+  end subroutine advance_gas
+
+  !> The void fraction where the parcels are; at the very start it has been so for ever.
+  subroutine see_parcels(self)
+    class(scene_t), intent(inout) :: self
+
+    call self%watch%enter(part_coupling)
+    call self%coupling%follow_tiles(self%solids%tiles, self%solids%skin)
+    call self%coupling%map_void_fraction(self%solids%parcels, self%gas)
+    if (.not. self%begun) call self%gas%accept()
+    self%begun = .true.
+    associate (n => self%boxes%n)
+      self%mapped = self%gas%eps(1:n(1), 1:n(2), 1:n(3))
+    end associate
+    call self%watch%leave()
+  end subroutine see_parcels
+
+  !> How much of the change of the void fraction a step of this length is shown.
+  pure function seen_share(self) result(share)
+    class(scene_t), intent(in) :: self
+    real(wp) :: share
+
+    share = 1.0_wp
+    if (self%unseen > self%report%dt) share = self%report%dt/self%unseen
+  end function seen_share
+
+  subroutine prepare(self, share)
+    class(scene_t), intent(inout) :: self
+    real(wp), intent(in) :: share
+
+    call self%watch%enter(part_coupling)
+    associate (n => self%boxes%n, gas => self%gas)
+      if (share >= 1.0_wp) then
+        gas%eps(1:n(1), 1:n(2), 1:n(3)) = self%mapped
+      else
+        gas%eps(1:n(1), 1:n(2), 1:n(3)) = (1 - share)*gas%eps_old(1:n(1), 1:n(2), 1:n(3)) + share*self%mapped
+      end if
+    end associate
+    call self%coupling%prepare(self%solids%parcels, self%gas, self%report%dt)
+    call self%watch%leave()
+  end subroutine prepare
+
+  !> After enough good steps, back towards the step asked for.
+  subroutine lengthen(self)
+    class(scene_t), intent(inout) :: self
+
+    if (self%report%retries > 0) return
+    self%good_steps = self%good_steps + 1
+    if (self%good_steps < patience .or. self%halvings == 0) return
+    self%halvings = self%halvings - 1
+    self%good_steps = 0
+  end subroutine lengthen
+
+  !> The parcels over the gas step.
+  subroutine advance_parcels(self, outcome)
+    class(scene_t), intent(inout) :: self
+    type(outcome_t), intent(inout) :: outcome
+
+    logical :: changed
+
+    call self%watch%enter(part_parcels)
+    self%report%solids_steps = max(1, ceiling(self%report%dt/self%solids%time_step_limit()))
+    call self%solids%advance(self%report%solids_steps, self%report%dt/self%report%solids_steps, outcome)
+    if (.not. outcome%failed()) call self%solids%rebalance(changed, outcome)
+    call self%watch%leave()
+  end subroutine advance_parcels
+
+  function no_convergence(self) result(message)
+    class(scene_t), intent(in) :: self
+    character(len=:), allocatable :: message
+
+    associate (r => self%gas%report, n => self%gas%numerics)
+      message = 'the gas did not converge at t = '//shown(self%time)//' s, even in steps of '//shown(self%report%dt) &
+        //' s: after '//shown(r%iterations)//' iterations the mass residual is '//shown(r%mass_residual)//' (tolerance ' &
+        //shown(n%tolerance)//') and the momentum residual '//shown(r%momentum_residual)//' (velocity_tolerance ' &
+        //shown(n%velocity_tolerance)//'); the least void fraction is '//shown(minval(self%gas%eps_old, self%gas%eps_old > 0)) &
+        //'. Try a shorter time_step, more maximum_iterations, limiter = ''upwind'' or coarser cells'
+    end associate
+  end function no_convergence
+
+end module scene

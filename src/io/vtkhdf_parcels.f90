@@ -1,0 +1,239 @@
+!> The file of the parcels, parcels.vtkhdf: a cloud of points with fields at every output time, as VTK's temporal
+!> PolyData, which ParaView opens; parcels.xmf beside it serves ParaView before 5.12 from the same data.
+!>
+!>   call parcels%open(name, comm, origin, outcome, after)
+!>   call parcels%begin_step(time, position)
+!>   call parcels%add('velocity', velocity, 'm/s')      any number of fields, the same in every step
+!>   call parcels%end_step(outcome)
+!>   call parcels%close(outcome)
+!>
+!> Real numbers are stored in single precision. A step is one part whatever the number of ranks.
+module vtkhdf_parcels
+  use agreement, only: agree
+  use communicator, only: communicator_t
+  use hdf5_arrays, only: share_t, share_of, put_columns, get_columns, put_attribute
+  use hdf5_file, only: single_kind, long_kind, integer_kind
+  use kinds, only: wp, sp, i8
+  use outcome, only: outcome_t
+  use provenance, only: provenance_t
+  use vtkhdf_steps, only: vtkhdf_t, put_row
+  use xdmf, only: write_cloud_sidecar
+  implicit none
+  private
+  public :: vtkhdf_parcels_t
+
+  character(len=*), parameter :: root = '/VTKHDF/'
+  character(len=8), parameter :: topology(4) = ['Vertices', 'Lines   ', 'Polygons', 'Strips  ']
+  integer(i8), parameter :: chunk = 16384  !< parcels stored together
+
+  type, extends(vtkhdf_t) :: vtkhdf_parcels_t
+    private
+    integer(i8) :: first = 0                 !< points of the steps before this one
+    integer(i8), allocatable :: points(:)    !< of every step, with room for more
+    integer(i8) :: longest = 0               !< points of the largest step so far
+    type(share_t) :: share                   !< of the step being added
+  contains
+    procedure :: open => open_parcels
+    procedure :: begin_step
+    procedure, private :: add_scalars, add_vectors, add_longs, add_integers
+    generic :: add => add_scalars, add_vectors, add_longs, add_integers
+    procedure :: end_step
+    procedure :: close => close_parcels
+  end type vtkhdf_parcels_t
+
+contains
+
+  !> Begin the file, or go on with that of the run which is continued at the time `after`.
+  subroutine open_parcels(self, name, comm, origin, outcome, after)
+    class(vtkhdf_parcels_t), intent(out) :: self
+    character(len=*), intent(in) :: name      !< ending in .vtkhdf
+    type(communicator_t), intent(in) :: comm
+    type(provenance_t), intent(in) :: origin
+    type(outcome_t), intent(inout) :: outcome
+    real(wp), intent(in), optional :: after   !< [s]
+
+    logical :: fresh
+
+    call self%start(name, comm, after, fresh)
+    if (comm%is_root()) then
+      if (fresh) call make_tables(self, origin)
+      if (.not. fresh) call keep_points(self)
+    end if
+    call self%started(outcome)
+    if (.not. allocated(self%points)) allocate (self%points(size(self%times)), source=0_i8)
+    if (outcome%failed()) return
+    call comm%broadcast(self%points)
+    self%first = sum(self%points(:self%steps))
+    self%longest = maxval([0_i8, self%points(:self%steps)])
+  end subroutine open_parcels
+
+  !> What a file of points needs before its first step.
+  subroutine make_tables(self, origin)
+    type(vtkhdf_parcels_t), intent(inout) :: self
+    type(provenance_t), intent(in) :: origin
+
+    call self%introduce('PolyData', origin)
+    call self%file%make(root//'Points', single_kind, [3_i8, 0_i8], [3_i8, chunk])
+    call put_attribute(self%file, root//'Points', 'unit', 'm')
+    call self%file%make(root//'Vertices/Connectivity', long_kind, [0_i8], [chunk])
+  end subroutine make_tables
+
+  !> Of a file that is continued: how many points its steps have.
+  subroutine keep_points(self)
+    type(vtkhdf_parcels_t), intent(inout) :: self
+
+    allocate (self%points(size(self%times)), source=0_i8)
+    if (self%steps > 0) call get_columns(self%file, root//'NumberOfPoints', self%points(:self%steps), 0_i8)
+  end subroutine keep_points
+
+  subroutine begin_step(self, time, position)
+    class(vtkhdf_parcels_t), intent(inout) :: self
+    real(wp), intent(in) :: time           !< [s]
+    real(wp), intent(in) :: position(:,:)  !< (3, my parcels) [m]
+
+    call self%begin(time)
+    if (self%repeated) return
+    if (size(self%points) < size(self%times)) self%points = [self%points, 0*self%points]
+    self%share = share_of(self%comm, size(position, 2))
+    call put_columns(self%file, root//'Points', real(position, sp), self%share, self%first)
+  end subroutine begin_step
+
+  !> A number of every parcel.
+  subroutine add_scalars(self, name, x, unit)
+    class(vtkhdf_parcels_t), intent(inout) :: self
+    character(len=*), intent(in) :: name, unit
+    real(wp), intent(in) :: x(:)
+
+    if (self%repeated) return
+    call know(self, name, unit, 1, single_kind)
+    call put_columns(self%file, root//'PointData/'//name, real(x, sp), self%share, self%first)
+  end subroutine add_scalars
+
+  !> A vector (3, my parcels) of every parcel.
+  subroutine add_vectors(self, name, x, unit)
+    class(vtkhdf_parcels_t), intent(inout) :: self
+    character(len=*), intent(in) :: name, unit
+    real(wp), intent(in) :: x(:,:)
+
+    if (self%repeated) return
+    call know(self, name, unit, 3, single_kind)
+    call put_columns(self%file, root//'PointData/'//name, real(x, sp), self%share, self%first)
+  end subroutine add_vectors
+
+  subroutine add_longs(self, name, x, unit)
+    class(vtkhdf_parcels_t), intent(inout) :: self
+    character(len=*), intent(in) :: name, unit
+    integer(i8), intent(in), contiguous :: x(:)
+
+    if (self%repeated) return
+    call know(self, name, unit, 1, long_kind)
+    call put_columns(self%file, root//'PointData/'//name, x, self%share, self%first)
+  end subroutine add_longs
+
+  subroutine add_integers(self, name, x, unit)
+    class(vtkhdf_parcels_t), intent(inout) :: self
+    character(len=*), intent(in) :: name, unit
+    integer, intent(in), contiguous :: x(:)
+
+    if (self%repeated) return
+    call know(self, name, unit, 1, integer_kind)
+    call put_columns(self%file, root//'PointData/'//name, x, self%share, self%first)
+  end subroutine add_integers
+
+  !> Make the field unless it is there.
+  subroutine know(self, name, unit, components, kind)
+    type(vtkhdf_parcels_t), intent(inout) :: self
+    character(len=*), intent(in) :: name, unit
+    integer, intent(in) :: components, kind
+
+    integer(i8) :: extent(2), pieces(2)
+    integer :: from
+
+    if (self%has_field(root//'PointData/', name, components, kind)) return
+    from = merge(2, 1, components == 1)
+    extent = [int(components, i8), 0_i8]
+    pieces = [int(components, i8), chunk]
+    call self%file%make(root//'PointData/'//name, kind, extent(from:), pieces(from:))
+    call put_attribute(self%file, root//'PointData/'//name, 'unit', unit)
+  end subroutine know
+
+  !> Close the step; from now on readers see it.
+  subroutine end_step(self, outcome)
+    class(vtkhdf_parcels_t), intent(inout) :: self
+    type(outcome_t), intent(inout) :: outcome
+
+    if (self%repeated) return
+    call self%close_bulk(outcome)
+    if (outcome%failed()) return
+    if (self%comm%is_root()) call put_tables(self)
+    self%points(self%steps + 1) = self%share%total
+    call self%finish(root//'Steps/PointDataOffsets/', self%first, outcome)
+    self%first = self%first + self%share%total
+    if (self%sidecar_is_due(at_end=.false.)) call put_sidecar(self, outcome)
+  end subroutine end_step
+
+  !> The entries of this step: one cell, of the kind that holds any number of points, in one part.
+  subroutine put_tables(self)
+    type(vtkhdf_parcels_t), intent(inout) :: self
+
+    integer(i8) :: n, step, i
+    integer :: k
+
+    n = self%share%total
+    step = self%steps
+    associate (file => self%file, row => self%steps)
+      ! The points of every cell are 0, 1, 2, ..., so all steps share one list, as long as the largest needs.
+      if (n > self%longest) then
+        call put_columns(file, root//'Vertices/Connectivity', [(i, i=self%longest, n - 1)], &
+          share_t(n - self%longest, 0, n - self%longest), self%longest)
+        self%longest = n
+      end if
+      call put_row(file, root//'NumberOfPoints', row, [n])
+      call put_row(file, root//'Vertices/Offsets', row, [0_i8, n])
+      call put_row(file, root//'Vertices/NumberOfCells', row, [1_i8])
+      call put_row(file, root//'Vertices/NumberOfConnectivityIds', row, [n])
+      do k = 2, size(topology)
+        call put_row(file, root//trim(topology(k))//'/Offsets', row, [0_i8])
+        call put_row(file, root//trim(topology(k))//'/NumberOfCells', row, [0_i8])
+        call put_row(file, root//trim(topology(k))//'/NumberOfConnectivityIds', row, [0_i8])
+        if (.not. file%has(root//trim(topology(k))//'/Connectivity')) then
+          call file%make(root//trim(topology(k))//'/Connectivity', long_kind, [0_i8], [chunk])
+        end if
+      end do
+      call put_row(file, root//'Steps/PartOffsets', row, [step])
+      call put_row(file, root//'Steps/NumberOfParts', row, [1_i8])
+      call put_row(file, root//'Steps/PointOffsets', row, [self%first])
+      call put_four(self, root//'Steps/CellOffsets', [step, 0_i8, 0_i8, 0_i8])
+      call put_four(self, root//'Steps/ConnectivityIdOffsets', [0_i8, 0_i8, 0_i8, 0_i8])
+    end associate
+  end subroutine put_tables
+
+  !> A row of a table with one column per kind of cell.
+  subroutine put_four(self, path, values)
+    type(vtkhdf_parcels_t), intent(inout) :: self
+    character(len=*), intent(in) :: path
+    integer(i8), intent(in) :: values(4)
+
+    if (.not. self%file%has(path)) call self%file%make(path, long_kind, [4_i8, 0_i8], [4_i8, 64_i8])
+    call put_columns(self%file, path, reshape(values, [4, 1]), share_t(1, 0, 1), int(self%steps, i8))
+  end subroutine put_four
+
+  subroutine put_sidecar(self, outcome)
+    type(vtkhdf_parcels_t), intent(in) :: self
+    type(outcome_t), intent(inout) :: outcome
+
+    if (self%comm%is_root()) then
+      call write_cloud_sidecar(self%name, self%fields, self%times(:self%steps), self%points(:self%steps), outcome)
+    end if
+    call agree(self%comm, outcome)
+  end subroutine put_sidecar
+
+  !> Complete the sidecar.
+  subroutine close_parcels(self, outcome)
+    class(vtkhdf_parcels_t), intent(inout) :: self
+    type(outcome_t), intent(inout) :: outcome
+
+    if (self%sidecar_is_due(at_end=.true.)) call put_sidecar(self, outcome)
+  end subroutine close_parcels
+
+end module vtkhdf_parcels

@@ -1,0 +1,119 @@
+!> The pressure-correction equation over the boxes of all ranks,
+!>
+!>   sum over the faces of a cell of c_f (p_cell - p_beyond) = b,     c_f >= 0
+!>
+!> with p_beyond = 0 behind a boundary face of given pressure and c_f = 0 at a face of given velocity.
+!> Where no pressure is given anywhere its level is free: it is held near 0 in the first cell of the grid.
+module pressure_solver
+  use boxes, only: boxes_t
+  use communicator, only: communicator_t
+  use hypre_struct, only: hypre_struct_t
+  use kinds, only: wp
+  implicit none
+  private
+  public :: pressure_solver_t
+
+  integer, parameter :: most_iterations = 200
+
+  type :: pressure_solver_t
+    private
+    type(hypre_struct_t) :: hypre
+    type(communicator_t) :: comm
+    integer :: n(3)                             !< cells of my box
+    logical :: coupled(3)                       !< directions in which a cell has another neighbour than itself
+    logical :: at_high(3)                       !< whether the faces above my last cells are the domain's surface
+    logical :: floating                         !< no pressure is given anywhere
+    logical :: first                            !< my box holds the first cell of the grid
+    real(wp) :: cells                           !< number of cells of the grid
+    real(wp), allocatable :: values(:,:,:,:)    !< (4, cells) diagonal; x, y, z upper neighbour
+    real(wp), allocatable :: solution(:,:,:)
+  contains
+    procedure :: create
+    procedure :: set_matrix
+    procedure :: solve
+    procedure :: destroy
+  end type pressure_solver_t
+
+contains
+
+  subroutine create(self, boxes, floating)
+    class(pressure_solver_t), intent(inout) :: self
+    type(boxes_t), intent(in) :: boxes
+    logical, intent(in) :: floating  !< no boundary face has a given pressure
+
+    self%comm = boxes%comm
+    self%n = boxes%n
+    self%coupled = boxes%cells > 1 .or. .not. boxes%periodic
+    self%at_high = boxes%at_high
+    self%floating = floating
+    self%first = all(boxes%lo == 1)
+    self%cells = product(real(boxes%cells, wp))
+    allocate (self%values(4, boxes%n(1), boxes%n(2), boxes%n(3)), source=0.0_wp)
+    allocate (self%solution(boxes%n(1), boxes%n(2), boxes%n(3)), source=0.0_wp)
+    call self%hypre%create(boxes%comm%handle%mpi_val, boxes%lo, boxes%hi, &
+                           merge(boxes%cells, 0, boxes%periodic .and. boxes%cells > 1))
+  end subroutine create
+
+  !> Take new coefficients and set multigrid up for them.
+  subroutine set_matrix(self, conductance)
+    class(pressure_solver_t), intent(inout) :: self
+    real(wp), intent(in), contiguous :: conductance(-1:, -1:, -1:, :)  !< (cell, a): c_f of its upper face across a
+
+    integer :: a, i, j, k, e(3), inner(3)
+
+    self%values = 0.0_wp
+    do a = 1, 3
+      if (.not. self%coupled(a)) cycle
+      e = unit_step(a)
+      inner = self%n
+      if (self%at_high(a)) inner(a) = inner(a) - 1
+      do k = 1, self%n(3)
+        do j = 1, self%n(2)
+          do i = 1, self%n(1)
+            self%values(1, i, j, k) = self%values(1, i, j, k) + conductance(i, j, k, a) &
+              + conductance(i - e(1), j - e(2), k - e(3), a)
+          end do
+        end do
+      end do
+      do k = 1, inner(3)
+        do j = 1, inner(2)
+          do i = 1, inner(1)
+            self%values(a + 1, i, j, k) = -conductance(i, j, k, a)
+          end do
+        end do
+      end do
+    end do
+    ! doubling one diagonal draws the level there to 0 and leaves the other equations as they are
+    if (self%floating .and. self%first) self%values(1, 1, 1, 1) = 2*self%values(1, 1, 1, 1)
+    call self%hypre%set_matrix(self%values)
+  end subroutine set_matrix
+
+  pure function unit_step(a) result(e)
+    integer, intent(in) :: a
+    integer :: e(3)
+
+    e = 0
+    e(a) = 1
+  end function unit_step
+
+  !> Solve from zero until the 2-norm of the residual has fallen by `reduction`.
+  !> What a free level cannot satisfy, the mean of b, is taken out of b.
+  subroutine solve(self, b, reduction, p, iterations)
+    class(pressure_solver_t), intent(inout) :: self
+    real(wp), intent(inout), contiguous :: b(:,:,:)
+    real(wp), intent(in) :: reduction
+    real(wp), intent(inout), contiguous :: p(-1:, -1:, -1:)  !< its cells are set, its halo is left
+    integer, intent(out) :: iterations
+
+    if (self%floating) b = b - self%comm%sum(sum(b))/self%cells
+    call self%hypre%solve(b, reduction, most_iterations, self%solution, iterations)
+    p(1:self%n(1), 1:self%n(2), 1:self%n(3)) = self%solution
+  end subroutine solve
+
+  subroutine destroy(self)
+    class(pressure_solver_t), intent(inout) :: self
+
+    call self%hypre%destroy()
+  end subroutine destroy
+
+end module pressure_solver

@@ -1,0 +1,43 @@
+"""Every program tests/unit/test_*.f90, in both builds, on 1 rank, or on 1, 2 and 4 where it starts ranks.
+
+A program prints 'ok NAME' or 'FAIL NAME' for each thing it expects, and 'finished' when it has come
+to its end. A comment '! ranks: 1 3' among its first lines asks for other numbers of ranks.
+"""
+
+import re
+
+import pytest
+
+from conftest import MODES, ROOT, launch, program
+
+
+def ranks_of(source):
+    """On how many ranks a test program runs."""
+    text = source.read_text()
+    asked = re.search(r"^!>? *ranks: *([0-9 ]+)$", "\n".join(text.splitlines()[:20]), re.MULTILINE)
+    if asked:
+        return [int(n) for n in asked.group(1).split()]
+    return [1, 2, 4] if "start_ranks" in text else [1]
+
+
+def cases():
+    for source in sorted((ROOT / "tests/unit").glob("test_*.f90")):
+        for mode in MODES:
+            for ranks in ranks_of(source):
+                # One program writes its files under one name, so its runs follow each other.
+                mark = pytest.mark.xdist_group(source.stem)
+                yield pytest.param(source.stem, mode, ranks, id=f"{source.stem[5:]}-{mode}-{ranks}", marks=mark)
+
+
+@pytest.mark.parametrize("name, mode, ranks", list(cases()))
+def test_unit(name, mode, ranks):
+    path = program(f"tests/unit/{name}", mode)
+    assert path.exists(), f"{path} is not built: make MODE={mode} unit"
+    done = launch(path, ranks=ranks, time_limit=300)
+    lines = done.stdout.splitlines()
+    failed = [line for line in lines if line.startswith("FAIL")]
+    shown = "\n".join([*failed, done.stderr[-3000:]])
+    assert not failed, shown
+    assert done.returncode == 0, f"exit {done.returncode}\n{shown}\n{done.stdout[-1000:]}"
+    assert "finished" in lines, f"it never came to its end\n{shown}\n{done.stdout[-1000:]}"
+    assert any(line.startswith("ok") for line in lines), "it expects nothing"
