@@ -249,8 +249,9 @@ contains
 
     associate (corner => self%corner(first:first + n - 1), fraction => self%fraction(:, first:first + n - 1))
       call interpolate(self%window, corner, fraction, self%field, value(:, :n))
-      if (any(value(eps_lane, :n) < 0.999_wp*self%minimum_void_fraction)) &
+      if (any(value(eps_lane, :n) < 0.999_wp*self%minimum_void_fraction)) then
         error stop 'coupling: a parcel reads cells that its rank does not hold'
+      end if
       call meet(parcels, self%gravity, first, n, value, particles)
       call self%drag_law%respond(dt, particles)
       do i = 1, n

@@ -25,8 +25,8 @@ contains
   !> The places of parcels. `outside` counts those beyond the window and those whose position is no number.
   pure subroutine locate(window, position, corner, fraction, outside)
     type(window_t), intent(in) :: window
-    real(wp), intent(in) :: position(:,:)    !< (3 or more,n) the first three rows are the position [m]
-    integer, intent(inout) :: corner(:)      !< (n) lowest of the eight cells, counted in the window from 1
+    real(wp), intent(in) :: position(:,:)     !< (3 or more,n) the first three rows are the position [m]
+    integer, intent(inout) :: corner(:)       !< (n) lowest of the eight cells, counted in the window from 1
     real(wp), intent(inout) :: fraction(:,:)  !< (3,n) [-]
     integer, intent(out) :: outside
 
@@ -80,8 +80,8 @@ contains
   !> The values of a field at the places.
   pure subroutine interpolate(window, corner, fraction, field, value)
     type(window_t), intent(in) :: window
-    integer, intent(in) :: corner(:)                     !< (n)
-    real(wp), intent(in) :: fraction(:,:)                !< (3,n)
+    integer, intent(in) :: corner(:)                      !< (n)
+    real(wp), intent(in) :: fraction(:,:)                 !< (3,n)
     real(wp), intent(in) :: field(lanes, window%cells())  !< any unit
     real(wp), intent(inout) :: value(lanes, size(corner))
 

@@ -1,10 +1,12 @@
 !> Pairs that touch or may touch before the list is made again.
 !>
 !> Row i holds the partners of parcel i: own parcels with a higher column, then ghosts. They are entries first(i)
-!> to first(i+1)-1. Loops over all pairs read the row from `row`: an inner loop over a few partners ends
-!> at another place each time, which no processor foresees (14 % of the contact loop). With friction every entry has its slip, oriented from the row's parcel
-!> to the partner, and the number of the last step in which the pair touched: a slip older than one step is
-!> that of an earlier contact and counts as none.
+!> to first(i+1)-1. Loops over all pairs read the row from `row`: an inner loop over a few partners ends at
+!> another place each time, which no processor foresees (14 % of the contact loop).
+!>
+!> With friction every entry has its slip, oriented from the row's parcel to the partner, and the number of the
+!> last step in which the pair touched: a slip older than one step is that of an earlier contact and counts as
+!> none.
 module contact_list
   use kinds, only: wp
   implicit none

@@ -4,15 +4,14 @@
 !> Half of the listed pairs do not touch, in no order a processor could foresee; so the selection has no branch,
 !> and the law sees only pairs that touch.
 module contact_sweep
-  use contact_linear, only: linear_t, friction_forces, frictionless_forces
+  use contact_linear, only: linear_t, friction_forces, frictionless_forces, lanes
   use contact_list, only: contact_list_t
   use kinds, only: wp
   implicit none
   private
   public :: sweep_friction, sweep_frictionless
 
-  integer, parameter :: block_pairs = 128   !< listed pairs of a block, which stays in the L1 cache
-  integer, parameter :: lanes = 8           !< the law is called with a multiple of this
+  integer, parameter :: block_pairs = 256   !< listed pairs of a block, which stays in the L1 cache
   real(wp), parameter :: difference(8) = [-1, -1, -1, 1, -1, -1, -1, 1]  !< x, y, z, r, u, v, w, 1/m of a pair
   real(wp), parameter :: reaction(8) = [-1, -1, -1, 1, 1, 1, 1, 1]       !< force and torque on the partner
 

@@ -77,8 +77,9 @@ contains
       if (rows == frictional_rows) then
         twist = per_inertia*per_mass
         state(9:11, i) = state(9:11, i) + twist*force(5:7, i)
+        force(5:8, i) = 0.0_wp
       end if
-      force(:, i) = 0.0_wp
+      force(1:4, i) = 0.0_wp
       square = v(1)*v(1) + v(2)*v(2) + v(3)*v(3)
       fastest = max(fastest, square)
       energy = energy + square

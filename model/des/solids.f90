@@ -90,7 +90,8 @@ contains
     self%numerics = numerics
     self%tile_width = tile_width
     associate (c => contact)
-      self%pair_law = new_linear(c%stiffness, c%tangential_ratio, c%restitution, c%tangential_damping_ratio, c%friction)
+      self%pair_law = new_linear(c%stiffness, c%tangential_ratio, c%restitution, c%tangential_damping_ratio, &
+                                 c%friction)
       self%wall_law = new_linear(given(c%wall_stiffness, c%stiffness), c%tangential_ratio, &
                                  given(c%wall_restitution, c%restitution), c%tangential_damping_ratio, &
                                  given(c%wall_friction, c%friction))
@@ -174,7 +175,8 @@ contains
     if (allocated(self%tiles%owner)) then
       if (all(self%tiles%width >= self%range .or. self%tiles%n == 1)) return
     end if
-    self%tiles = new_tiles(self%comm, self%chamber%lower, self%chamber%upper, self%chamber%periodic, [width, width, width])
+    self%tiles = new_tiles(self%comm, self%chamber%lower, self%chamber%upper, self%chamber%periodic, &
+                           [width, width, width])
     self%tilings = self%tilings + 1
   end subroutine set_reach
 
@@ -186,8 +188,8 @@ contains
     if (self%added == 0) then
       dt = huge(1.0_wp)
     else
-      dt = min(self%pair_law%contact_time(0.5_wp*self%smallest_mass), self%wall_law%contact_time(self%smallest_mass)) &
-           /self%numerics%steps_per_collision
+      dt = min(self%pair_law%contact_time(0.5_wp*self%smallest_mass), &
+               self%wall_law%contact_time(self%smallest_mass))/self%numerics%steps_per_collision
     end if
   end function time_step_limit
 

@@ -19,8 +19,9 @@ module solids_state
 
   type :: solids_state_t
     ! Of the whole run, the same on all ranks.
-    real(wp) :: scalars(n_scalars) = 0.0_wp     !< time [s], step, travelled [m], mass added, mass left [kg], largest and
-                                                !< smallest radius [m], smallest parcel mass [kg], see solids
+    !> time [s], step, travelled [m], mass added, mass left [kg], largest and smallest radius [m], smallest mass of
+    !> a parcel [kg]: the components of solids of these names
+    real(wp) :: scalars(n_scalars) = 0.0_wp
     integer(i8) :: counts(n_counts) = 0_i8      !< parcels added, parcels left, lists made, lists weighed
     integer, allocatable :: owner(:)            !< rank of each tile
     ! Of this rank.

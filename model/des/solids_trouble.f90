@@ -59,8 +59,9 @@ contains
 
     character(len=400) :: text
 
-    write (text, '(a,i0,3(a,g0.5),a,g0.5,a,g0.5,2a)') 'parcel ', nint(facts(1)), ' at (', facts(2), ', ', facts(3), &
-      ', ', facts(4), ') m, speed ', facts(5), ' m/s, time ', time, ' s, has gone through a wall or lost its place: ', &
+    write (text, '(a,i0,3(a,g0.5),a,g0.5,a,g0.5,3a)') 'parcel ', nint(facts(1)), ' at (', facts(2), ', ', facts(3), &
+      ', ', facts(4), ') m, speed ', facts(5), ' m/s, time ', time, ' s, ', &
+      'has gone through a wall or lost its place: ', &
       'contacts are too soft or steps too long; raise &contact stiffness or &numerics steps_per_collision'
     message = trim(text)
   end function report
@@ -77,8 +78,9 @@ contains
     do a = 1, 3
       if (.not. chamber%periodic(a)) cycle
       if (chamber%upper(a) - chamber%lower(a) >= least_period*range) cycle
-      write (text, '(3a,g0.4,a,g0.4,a)') 'the periodic direction ', 'xyz'(a:a), ' is ', chamber%upper(a) - chamber%lower(a), &
-        ' m long; parcels of this size need ', least_period*range, ' m: lengthen &domain or take smaller parcels'
+      write (text, '(3a,g0.4,a,g0.4,a)') 'the periodic direction ', 'xyz'(a:a), ' is ', &
+        chamber%upper(a) - chamber%lower(a), ' m long; parcels of this size need ', &
+        least_period*range, ' m: lengthen &domain or take smaller parcels'
       call outcome%fail(exit_input, trim(text))
     end do
   end subroutine check_period

@@ -3,7 +3,7 @@
 !> A wall is a partner of infinite mass and no radius in the parcel's foot point on the plane; the law is the one
 !> of parcels, with the constants of the wall.
 module walls
-  use contact_linear, only: linear_t, friction_forces, frictionless_forces
+  use contact_linear, only: linear_t, friction_forces, frictionless_forces, lanes
   use contact_list, only: never
   use kinds, only: wp
   use parcels, only: parcels_t
@@ -89,38 +89,42 @@ contains
         end if
       end associate
       if (n == block_pairs) then
-        call apply(self, law, touching(1:n), pair(:, 1:n), parcels)
+        call apply(self, law, touching(1:n), pair, parcels)
         n = 0
       end if
     end do
-    if (n > 0) call apply(self, law, touching(1:n), pair(:, 1:n), parcels)
+    if (n > 0) call apply(self, law, touching(1:n), pair, parcels)
   end subroutine sweep
 
-  !> Forces of a block of contacts with walls.
+  !> Forces of a block of contacts with walls. Lanes left over repeat the last contact.
   pure subroutine apply(self, law, touching, pair, parcels)
     class(wall_list_t), intent(inout) :: self
     type(linear_t), intent(in) :: law
-    integer, intent(in) :: touching(:)     !< (n) entries
-    real(wp), intent(in) :: pair(:,:)      !< (8,n) see contact_linear
+    integer, intent(in) :: touching(:)                 !< (n) entries
+    real(wp), intent(inout) :: pair(8, block_pairs)    !< see contact_linear
     type(parcels_t), intent(inout) :: parcels
 
     real(wp) :: spin(4, block_pairs), slip(4, block_pairs), force(8, block_pairs), push(4, block_pairs)
-    integer :: n, m, i
+    integer :: n, m, i, full
 
     n = size(touching)
+    full = lanes*((n + lanes - 1)/lanes)
+    do m = n + 1, full
+      pair(:, m) = pair(:, n)
+    end do
     if (.not. self%with_history) then
-      call frictionless_forces(law, n, pair, push)
+      call frictionless_forces(law, full, pair, push)
       do m = 1, n
         i = self%parcel(touching(m))
         parcels%force(1:3, i) = parcels%force(1:3, i) + push(1:3, m)
       end do
       return
     end if
-    do m = 1, n
-      spin(:, m) = parcels%state(9:12, self%parcel(touching(m)))
-      slip(:, m) = self%slip(:, touching(m))
+    do m = 1, full
+      spin(:, m) = parcels%state(9:12, self%parcel(touching(min(m, n))))
+      slip(:, m) = self%slip(:, touching(min(m, n)))
     end do
-    call friction_forces(law, n, pair, spin, slip, force)
+    call friction_forces(law, full, pair, spin, slip, force)
     do m = 1, n
       i = self%parcel(touching(m))
       self%slip(:, touching(m)) = slip(:, m)

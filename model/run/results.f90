@@ -2,9 +2,11 @@
 module results
   use bed, only: bed_t, up_axis, pressure_drop, bed_heights
   use case, only: case_t
+  use constants, only: is_set
   use gas, only: gas_t
   use kinds, only: wp
   use ledger, only: ledger_t
+  use monitors, only: monitors_t
   use outcome, only: outcome_t
   use parcels, only: parcels_t, radius_row, velocity_row, spin_row, drag_row, mass_row
   use provenance, only: provenance_t
@@ -22,8 +24,10 @@ module results
   type :: results_t
     type(vtkhdf_parcels_t) :: parcels_file
     type(vtkhdf_gas_t) :: gas_file
-    type(series_file_t) :: series
+    type(series_file_t) :: series              !< of the bed as a whole, and of the monitors
     integer :: table = 0                       !< of the series: the bed as a whole
+    type(monitors_t) :: monitors
+    logical :: every_step = .false.            !< whether the series is written after every step
     type(schedule_t) :: parcels_due, gas_due, series_due
     logical :: parcels_open = .false., gas_open = .false.
     integer :: up = 2                          !< see module bed
@@ -59,6 +63,7 @@ contains
     if (scene%with_parcels) self%parcels_due = new_schedule(case%output%parcels_interval, after)
     if (scene%with_gas) self%gas_due = new_schedule(case%output%gas_interval, after)
     self%series_due = new_schedule(case%output%monitor_interval, after)
+    self%every_step = .not. is_set(case%output%monitor_interval)
     self%parcels_open = self%parcels_due%recurs()
     self%gas_open = self%gas_due%recurs()
     if (self%parcels_open) call self%parcels_file%open(folder//'/parcels.vtkhdf', scene%comm, origin, outcome, after)
@@ -67,7 +72,13 @@ contains
       reshape([scene%mesh%lower, scene%mesh%h], [3, 2]), origin, outcome, after)
     if (outcome%failed()) return
     call self%series%open(folder//'/monitor.h5', scene%comm, origin, outcome, after)
-    if (.not. outcome%failed()) call self%series%add_table('/series', columns_of(scene), self%table)
+    if (outcome%failed()) return
+    call self%series%add_table('/series', columns_of(scene), self%table)
+    if (scene%with_gas) then
+      call self%monitors%create(case%monitors, case%output%monitor_interval, scene%mesh, self%series, after, scene%boxes)
+    else
+      call self%monitors%create(case%monitors, case%output%monitor_interval, scene%mesh, self%series, after)
+    end if
   end subroutine open_results
 
   !> What is recorded of every run.
@@ -158,7 +169,8 @@ contains
     real(wp), intent(in) :: seconds  !< of wall time since the start
     type(outcome_t), intent(inout) :: outcome
 
-    if (self%series_due%is_due(scene%time)) call write_series(self, scene, ledger, seconds)
+    if (self%every_step .or. self%series_due%is_due(scene%time)) call write_series(self, scene, ledger, seconds)
+    if (self%monitors%any_due(scene%time)) call write_monitors(self, scene)
     if (self%parcels_due%is_due(scene%time)) then
       call self%parcels_due%done(scene%time)
       call write_parcels(self%parcels_file, scene%time, scene%solids%parcels, outcome)
@@ -192,6 +204,20 @@ contains
     call self%look(scene)
     call self%series%append(self%table, scene%time, row_of(self, scene, ledger, seconds))
   end subroutine write_series
+
+  subroutine write_monitors(self, scene)
+    class(results_t), intent(inout) :: self
+    type(scene_t), intent(in) :: scene
+
+    if (scene%with_gas) call self%monitors%measure_gas(scene%gas%pressure, scene%gas%eps, scene%gas%velocity, scene%gas%flux)
+    if (scene%with_parcels) then
+      associate (p => scene%solids%parcels)
+        call self%monitors%measure_parcels(p%state(1:3, :p%n), p%state(velocity_row:velocity_row + 2, :p%n), &
+                                           p%state(mass_row, :p%n), p%diameter(:p%n), p%weight(:p%n))
+      end associate
+    end if
+    call self%monitors%record(scene%time, scene%comm, self%series)
+  end subroutine write_monitors
 
   !> The numbers of a row, in the order of columns_of.
   function row_of(self, scene, ledger, seconds) result(row)

@@ -30,6 +30,7 @@ module scene
   integer, parameter :: part_coupling = 1, part_gas = 2, part_parcels = 3, part_output = 4
   character(len=8), parameter :: parts(4) = ['coupling', 'gas     ', 'parcels ', 'output  ']
 
+  real(wp), parameter :: round_off = 1.0e-6_wp  !< by which the last step may be too long, relative
   integer, parameter :: patience = 10  !< steps that converge before a halved step is doubled again
 
   !> What the last step was like.
@@ -44,8 +45,8 @@ module scene
     logical :: with_gas = .false., with_parcels = .false.
     integer :: maximum_halvings = 0
     real(wp) :: longest_step = 0        !< of the gas [s]
-    type(mesh_t) :: mesh                !< with a gas; so are boxes, gas and coupling
-    type(boxes_t) :: boxes
+    type(mesh_t) :: mesh                !< of the gas; without one, of regions in which parcels are looked at
+    type(boxes_t) :: boxes              !< with a gas; so is the gas itself
     type(gas_t) :: gas
     type(solids_t) :: solids            !< with parcels
     type(coupling_t) :: coupling        !< with both
@@ -81,6 +82,9 @@ contains
     call self%watch%start(parts)
     if (self%with_gas) call create_gas(self, case, outcome)
     if (outcome%failed()) return
+    associate (d => case%domain)
+      if (.not. self%with_gas) self%mesh = new_mesh(d%lower, d%upper, cells_without_gas(d%upper - d%lower), d%periodic)
+    end associate
     if (self%with_parcels) call self%solids%create(comm, chamber_of(case%domain, case%boundaries), case%contact, case%des, &
                                                    self%with_gas, tile_width(self))
     if (self%with_gas .and. self%with_parcels) &
@@ -103,6 +107,14 @@ contains
       allocate (self%mapped(n(1), n(2), n(3)), source=1.0_wp)
     end associate
   end subroutine create_gas
+
+  !> Cubes, about, a twentieth of the shortest edge wide.
+  pure function cells_without_gas(extent) result(cells)
+    real(wp), intent(in) :: extent(3)  !< of the domain [m]
+    integer :: cells(3)
+
+    cells = nint(20*extent/minval(extent))
+  end function cells_without_gas
 
   !> Tiles of a gas cell or more, so that what a rank reads of the gas is not much more than its own.
   pure function tile_width(self) result(width)
@@ -146,14 +158,16 @@ contains
     dt = self%longest_step/2**self%halvings
   end function next_step
 
-  !> One step of at most `limit`. All ranks agree on the outcome; where it failed nothing has moved since the last
+  !> One step of at most `limit`; a whole one where that is the same but for round-off, so that a run that ends and is
+  !> continued takes the steps of one that never ended. All ranks agree on the outcome; where it failed nothing has moved since the last
   !> good step but, at worst, the parcels within the present one.
   subroutine advance(self, limit, outcome)
     class(scene_t), intent(inout) :: self
     real(wp), intent(in) :: limit  !< [s]
     type(outcome_t), intent(inout) :: outcome
 
-    self%report = step_report_t(dt=min(self%next_step(), limit))
+    self%report = step_report_t(dt=self%next_step())
+    if (limit < (1 - round_off)*self%report%dt) self%report%dt = limit
     if (self%with_gas) call advance_gas(self, outcome)
     if (outcome%failed()) return
     if (self%with_parcels) call advance_parcels(self, outcome)

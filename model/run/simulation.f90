@@ -29,7 +29,7 @@ module simulation
   private
   public :: simulation_t, orders_t
 
-  real(wp), parameter :: last_bit = 1.0e-9_wp  !< of a step: what is left of the run when it counts as done
+  real(wp), parameter :: last_bit = 1.0e-5_wp  !< of a step: what is left of the run when it counts as done
   integer, parameter :: stop_interval = 20     !< steps between two looks for a stop file
 
   !> What the command line asks for beside the case.

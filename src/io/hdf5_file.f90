@@ -10,7 +10,7 @@ module hdf5_file
   use communicator, only: communicator_t
   use files, only: why_not, set_environment
   use hdf5, only: hid_t, hsize_t, size_t, h5open_f, h5close_f, h5eset_auto_f, h5kind_to_type, h5pcreate_f, h5pclose_f, &
-    h5pset_fapl_mpio_f, h5pset_libver_bounds_f, h5pset_dxpl_mpio_f, h5pset_chunk_f, h5pset_deflate_f, &
+    h5pset_fapl_mpio_f, h5pset_libver_bounds_f, h5pset_dxpl_mpio_f, h5pset_chunk_f, h5pset_alloc_time_f, h5pset_deflate_f, &
     h5pset_shuffle_f, h5pset_create_inter_group_f, h5pset_coll_metadata_write_f, h5pset_all_coll_metadata_ops_f, &
     h5fcreate_f, h5fopen_f, h5fclose_f, h5gcreate_f, h5gclose_f, h5dcreate_f, h5dopen_f, h5dclose_f, h5dwrite_f, h5dread_f, &
     h5dset_extent_f, h5dget_space_f, h5screate_simple_f, h5sclose_f, h5sselect_hyperslab_f, &
@@ -18,7 +18,7 @@ module hdf5_file
     h5aopen_by_name_f, h5aexists_f, h5adelete_f, h5awrite_f, h5aread_f, h5aclose_f, h5tcopy_f, &
     h5tset_size_f, h5tset_strpad_f, h5tclose_f, h5lexists_f, H5P_DEFAULT_F, H5P_FILE_ACCESS_F, H5P_DATASET_CREATE_F, &
     H5P_DATASET_XFER_F, H5P_LINK_CREATE_F, H5F_ACC_TRUNC_F, H5F_ACC_RDWR_F, H5F_ACC_RDONLY_F, &
-    H5F_LIBVER_V18_F, H5F_LIBVER_LATEST_F, H5FD_MPIO_COLLECTIVE_F, H5S_SELECT_SET_F, H5S_UNLIMITED_F, &
+    H5F_LIBVER_V18_F, H5F_LIBVER_LATEST_F, H5FD_MPIO_COLLECTIVE_F, H5D_ALLOC_TIME_EARLY_F, H5S_SELECT_SET_F, H5S_UNLIMITED_F, &
     H5_INTEGER_KIND, H5T_NATIVE_DOUBLE, H5T_NATIVE_REAL, H5T_NATIVE_INTEGER, H5T_FORTRAN_S1, H5T_STR_NULLPAD_F
   use kinds, only: wp, i8
   use mpi_f08, only: MPI_INFO_NULL
@@ -270,6 +270,8 @@ contains
     call h5pset_create_inter_group_f(links, 1, error)
     call h5pcreate_f(H5P_DATASET_CREATE_F, layout, error)
     if (present(chunk)) call h5pset_chunk_f(layout, size(chunk), int(chunk, hsize_t), error)
+    ! Space that is allocated late breaks collective writes, if the dataset was made by one rank alone.
+    if (present(chunk) .and. .not. present(compressed)) call h5pset_alloc_time_f(layout, H5D_ALLOC_TIME_EARLY_F, error)
     if (present(compressed)) then
       if (compressed) call h5pset_shuffle_f(layout, error)
       if (compressed) call h5pset_deflate_f(layout, compression, error)

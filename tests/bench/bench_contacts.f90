@@ -122,8 +122,8 @@ contains
     do i = 1, 3
       x(i, :) = comm%sum(x(i, :))
     end do
-    if (comm%is_root()) print '(a,f8.4,a,es9.2)', 'settled to a height of ', maxval(x(3, :)), ' m, largest speed [m/s] ', &
-      sqrt(maxval(sum(bed%parcels%state(5:7, 1:bed%parcels%n)**2, 1)))
+    if (comm%is_root()) print '(a,f8.4,a,es9.2)', 'settled to a height of ', maxval(x(3, :)), &
+      ' m, largest speed [m/s] ', sqrt(maxval(sum(bed%parcels%state(5:7, 1:bed%parcels%n)**2, 1)))
   end subroutine settle
 
   !> The loop in blocks of 200 steps, each followed by new lists; the two timed apart.
@@ -159,7 +159,8 @@ contains
     made = max(1, steps/block)
     print '(a,i0,a,f6.3,a,f6.1)', 'steps ', made*block, '  pairs listed per parcel ', &
       real(bed%list%entries, wp)/bed%parcels%n, '  bytes per parcel ', real(bytes(bed), wp)/bed%parcels%n
-    print '(a,2(f7.3,a))', 'new lists  ', making(1)/n/made*1e6_wp, ' us per parcel, ', making(2)/n/made*1e6_wp, ' of processor'
+    print '(a,2(f7.3,a))', 'new lists  ', making(1)/n/made*1e6_wp, ' us per parcel, ', &
+      making(2)/n/made*1e6_wp, ' by processor time'
     print '(a,2(f7.3,a))', 'with lists ', n*1e-6_wp*made*block/(stepping(1) + making(1)), ' M parcel-steps/s, ', &
       n*1e-6_wp*made*block/(stepping(2) + making(2)), ' by processor time'
   end subroutine time_loop

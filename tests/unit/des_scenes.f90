@@ -14,21 +14,25 @@ module des_scenes
 contains
 
   !> An empty chamber of the given extent from the origin, with gravity along z.
-  function scene(comm, extent, gravity, contact, periodic) result(solids)
+  function scene(comm, extent, gravity, contact, periodic, with_gas) result(solids)
     type(communicator_t), intent(in) :: comm
     real(wp), intent(in) :: extent(3)             !< [m]
     real(wp), intent(in) :: gravity               !< upward [m/s2]
     type(contact_settings_t), intent(in) :: contact
-    logical, intent(in), optional :: periodic(3)
+    logical, intent(in), optional :: periodic(3), with_gas
     type(solids_t) :: solids
 
     type(chamber_t) :: chamber
+    logical :: gas
+
+    gas = .false.
+    if (present(with_gas)) gas = with_gas
 
     chamber%lower = 0.0_wp
     chamber%upper = extent
     chamber%gravity = [0.0_wp, 0.0_wp, gravity]
     if (present(periodic)) chamber%periodic = periodic
-    call solids%create(comm, chamber, contact, des_settings_t(), .false., 0.0_wp)
+    call solids%create(comm, chamber, contact, des_settings_t(), gas, 0.0_wp)
   end function scene
 
   !> Add parcels from the root; weight 1 and density 2500 unless said otherwise.

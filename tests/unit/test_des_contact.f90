@@ -21,6 +21,7 @@ program test_des_contact
   call collision([1.0e-3_wp, 1.0e-3_wp], [1.0_wp, 1.0_wp], 0.9_wp, 'equal')
   call collision([1.0e-3_wp, 1.7e-3_wp], [1.0_wp, 1.0_wp], 0.7_wp, 'unequal')
   call collision([1.0e-3_wp, 0.5e-3_wp], [1.0_wp, 27.0_wp], 0.8_wp, 'of unequal weight')
+  call coarse_steps()
   call time_step()
   call oblique_sliding()
   call without_friction()
@@ -97,7 +98,8 @@ contains
 
   !> A sliding ball rolls from mu g t/u_0 = 2/7 on, at u/u_0 = 5/7 (MFIX verification, DEM04).
   subroutine sliding_to_rolling()
-    real(wp), parameter :: radius = 0.5e-3_wp, density = 1.0e4_wp, k = 1.0e4_wp, u_0 = 0.1_wp, mu = 0.4_wp, g = 9.80665_wp
+    real(wp), parameter :: radius = 0.5e-3_wp, density = 1.0e4_wp, k = 1.0e4_wp
+    real(wp), parameter :: u_0 = 0.1_wp, mu = 0.4_wp, g = 9.80665_wp
     type(solids_t) :: ball
     type(contact_settings_t) :: contact
     real(wp) :: dt, sag, u, spin, rolling
@@ -131,7 +133,8 @@ contains
 
     real(wp), parameter :: k = 300.0_wp, speed = 0.2_wp
     type(solids_t) :: pair
-    real(wp) :: x(3, 2), v(3, 2), m(2), radius(2), m_eff, omega, zeta, dt, gap, before, deepest, began, ended, apart
+    real(wp) :: x(3, 2), v(3, 2), m(2), radius(2), m_eff, omega, zeta, dt, gap, before, deepest
+    real(wp) :: began, ended, apart
     integer :: i
 
     radius = 0.5_wp*diameter*weight**(1.0_wp/3.0_wp)
@@ -163,11 +166,35 @@ contains
     ended = pair%time - dt*gap/(gap - before)
     call expect_close(apart/speed, restitution, 1.0e-3_wp, 'restitution of parcels '//which)
     call expect_close(ended - began, pi/(omega*sqrt(1 - zeta**2)), 1.0e-3_wp, 'contact time of parcels '//which)
-    call expect_close(-deepest, speed/omega*exp(-zeta/sqrt(1 - zeta**2)*acos(zeta)), 1.0e-3_wp, 'overlap of parcels '//which)
+    call expect_close(-deepest, speed/omega*exp(-zeta/sqrt(1 - zeta**2)*acos(zeta)), 1.0e-3_wp, &
+                      'overlap of parcels '//which)
     associate (p => pair%parcels)
-      call expect_close(sum(p%state(5, 1:2)/p%state(8, 1:2)), sum(m*v(1, :)), 1.0e-13_wp, 'momentum of parcels '//which)
+      call expect_close(sum(p%state(5, 1:2)/p%state(8, 1:2)), sum(m*v(1, :)), 1.0e-13_wp, &
+                        'momentum of parcels '//which)
     end associate
   end subroutine collision
+
+  !> With 20 steps in a collision restitution is still that asked for, on the mean over where in a step the
+  !> collision begins.
+  subroutine coarse_steps()
+    integer, parameter :: starts = 40
+    real(wp), parameter :: e = 0.5_wp, radius = 0.5e-3_wp, speed = 0.2_wp
+    type(solids_t) :: ball
+    real(wp) :: v(3, 1), dt, mean
+    integer :: m
+
+    v(:, 1) = [0.0_wp, 0.0_wp, -speed]
+    mean = 0
+    do m = 1, starts
+      ball = scene(comm, [0.01_wp, 0.01_wp, 0.01_wp], 0.0_wp, linear(500.0_wp, e, 0.3_wp))
+      dt = pi*sqrt(mass_of(2*radius, 1.0_wp)/500)/20
+      call put(ball, reshape([0.005_wp, 0.005_wp, radius + dt*speed*(1 + real(m, wp)/starts)], [3, 1]), v, &
+               [2*radius])
+      call run(ball, 40, dt)
+      mean = mean + ball%parcels%state(7, 1)/speed/starts
+    end do
+    call expect_close(mean, e, 4.0e-3_wp, 'restitution with 20 steps in a collision')
+  end subroutine coarse_steps
 
   !> The step is the contact time of the two lightest parcels over the steps asked for.
   subroutine time_step()
@@ -177,15 +204,19 @@ contains
 
     contact = linear(100.0_wp, 0.5_wp, 0.0_wp)
     pair = scene(comm, [0.02_wp, 0.02_wp, 0.02_wp], 0.0_wp, contact)
-    call put(pair, reshape([0.005_wp, 0.005_wp, 0.005_wp, 0.01_wp, 0.01_wp, 0.01_wp], [3, 2]), still, [1.0e-3_wp, 2.0e-3_wp])
+    call put(pair, reshape([0.005_wp, 0.005_wp, 0.005_wp, 0.01_wp, 0.01_wp, 0.01_wp], [3, 2]), still, &
+             [1.0e-3_wp, 2.0e-3_wp])
     omega = sqrt(100.0_wp/(0.5_wp*mass_of(1.0e-3_wp, 1.0_wp)))
     zeta = log(2.0_wp)/sqrt(pi**2 + log(2.0_wp)**2)
-    call expect_close(pair%time_step_limit(), pi/(omega*sqrt(1 - zeta**2))/20, 1.0e-12_wp, 'the step is t_c/20 of the lightest')
+    call expect_close(pair%time_step_limit(), pi/(omega*sqrt(1 - zeta**2))/20, 1.0e-12_wp, &
+                      'the step is t_c/20 of the lightest')
     contact%wall_stiffness = 1000.0_wp
     pair = scene(comm, [0.02_wp, 0.02_wp, 0.02_wp], 0.0_wp, contact)
-    call put(pair, reshape([0.005_wp, 0.005_wp, 0.005_wp, 0.01_wp, 0.01_wp, 0.01_wp], [3, 2]), still, [1.0e-3_wp, 2.0e-3_wp])
+    call put(pair, reshape([0.005_wp, 0.005_wp, 0.005_wp, 0.01_wp, 0.01_wp, 0.01_wp], [3, 2]), still, &
+             [1.0e-3_wp, 2.0e-3_wp])
     omega = sqrt(1000.0_wp/mass_of(1.0e-3_wp, 1.0_wp))
-    call expect_close(pair%time_step_limit(), pi/(omega*sqrt(1 - zeta**2))/20, 1.0e-12_wp, 'a stiff wall shortens the step')
+    call expect_close(pair%time_step_limit(), pi/(omega*sqrt(1 - zeta**2))/20, 1.0e-12_wp, &
+                      'a stiff wall shortens the step')
   end subroutine time_step
 
   !> A grazing elastic hit slides throughout: the wall takes 2 mu v_n from the tangential speed, and the spin
@@ -232,8 +263,9 @@ contains
     call run(smooth, 60, smooth%time_step_limit())
     call run(rough, 60, rough%time_step_limit())
     do i = 1, 2
-      call expect_close(norm2(smooth%parcels%state(5:7, place_of(smooth, i)) - rough%parcels%state(5:7, place_of(rough, i))), &
-                        0.0_wp, 1.0e-14_wp, 'no friction is friction 0')
+      call expect_close(norm2(smooth%parcels%state(5:7, place_of(smooth, i)) - &
+                              rough%parcels%state(5:7, place_of(rough, i))), 0.0_wp, 1.0e-14_wp, &
+                        'no friction is friction 0')
     end do
     call expect(norm2(smooth%parcels%state(5:7, place_of(smooth, 1)) - v(:, 1)) > 0.1_wp, 'and they did meet')
   end subroutine without_friction

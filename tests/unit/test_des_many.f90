@@ -24,6 +24,7 @@ program test_des_many
   call same_on_all_ranks(0.0_wp)
   call restart(0.3_wp)
   call restart(0.0_wp)
+  call driven_by_gas()
   call through_open_face()
   call trouble()
   if (comm%is_root()) call finish()
@@ -186,7 +187,8 @@ contains
     call gather(inside, 2, a)
     call gather(across, 2, b)
     call expect_all(all(abs(a(5:7, :) - b(5:7, :)) < 1.0e-11_wp), 'a contact across a periodic face is one inside')
-    call expect_all(all(abs(a(9:11, :) - b(9:11, :)) < 1.0e-11_wp) .and. norm2(a(9:11, 1)) > 1.0e-3_wp, 'and so is its spin')
+    call expect_all(all(abs(a(9:11, :) - b(9:11, :)) < 1.0e-11_wp) .and. norm2(a(9:11, 1)) > 1.0e-3_wp, &
+                    'and so is its spin')
     call expect_all(norm2(a(5:7, 1) - v(:, 1)) > 0.1_wp, 'and they did meet')
   end subroutine across_a_face
 
@@ -197,18 +199,21 @@ contains
     type(solids_t) :: together, apart
     type(outcome_t) :: outcome
     real(wp), allocatable :: a(:,:), b(:,:)
-    logical :: changed
+    logical :: changed, ever
     integer :: i
 
+    ever = .false.
     call falling(comm, 400, friction, [.true., .false., .false.], together)
     call falling(alone, 400, friction, [.true., .false., .false.], apart)
     do i = 1, 10
       call run(together, 25, apart%time_step_limit())
       call together%rebalance(changed, outcome)
+      ever = ever .or. changed
       call run(apart, 25, apart%time_step_limit())
     end do
     call gather(together, 400, a)
     call gather(apart, 400, b)
+    call expect_all(ever .or. comm%size == 1, 'tiles change hands when the load is uneven')
     call expect_all(apart%rebuilds > 2, 'lists are made anew while they fall')
     call expect_all(all(abs(a(1:3, :) - b(1:3, :)) < 1.0e-10_wp*0.01_wp), 'positions do not depend on the ranks')
     call expect_all(all(abs(a(5:7, :) - b(5:7, :)) < 1.0e-10_wp*0.5_wp), 'nor velocities')
@@ -244,6 +249,39 @@ contains
                       'and its state is the same, bit for bit')
     end associate
   end subroutine restart
+
+  !> A drive equal to gravity is gravity, and what the gas does stays with its parcel wherever that goes.
+  subroutine driven_by_gas()
+    type(solids_t) :: falls, driven
+    real(wp), allocatable :: x(:,:), v(:,:), diameter(:), a(:,:), b(:,:)
+    logical :: changed, right
+    type(outcome_t) :: outcome
+    integer :: i
+
+    call falling(comm, 400, 0.3_wp, [.true., .false., .false.], falls)
+    call cloud(400, [0.0_wp, 0.0_wp, 0.0_wp], 1.25e-3_wp, [8, 6], x, v, diameter)
+    driven = scene(comm, [0.01_wp, 0.0075_wp, 0.02_wp], -9.81_wp, material(0.3_wp), [.true., .false., .false.], &
+                   .true.)
+    call put(driven, x, v, diameter)
+    do i = 1, driven%parcels%n
+      driven%parcels%coupled(1:3, i) = [0.0_wp, 0.0_wp, -9.81_wp]
+      driven%parcels%coupled(12, i) = real(driven%parcels%id(i), wp)
+    end do
+    do i = 1, 10
+      call run(falls, 25, falls%time_step_limit())
+      call run(driven, 25, falls%time_step_limit())
+      call falls%rebalance(changed, outcome)
+      call driven%rebalance(changed, outcome)
+    end do
+    call gather(falls, 400, a)
+    call gather(driven, 400, b)
+    call expect_all(all(abs(a(5:7, :) - b(5:7, :)) < 1.0e-14_wp), 'a drive equal to gravity is gravity')
+    associate (p => driven%parcels)
+      right = all(nint(p%coupled(12, 1:p%n), i8) == p%id(1:p%n)) .and. &
+              all(abs(p%coupled(3, 1:p%n) + 9.81_wp) < 1.0e-12_wp)
+    end associate
+    call expect_all(right, 'what the gas does stays with its parcel')
+  end subroutine driven_by_gas
 
   !> Parcels that fall through an open floor are counted, not lost.
   subroutine through_open_face()
