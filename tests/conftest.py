@@ -10,6 +10,9 @@ ROOT = Path(__file__).resolve().parent.parent
 MODES = ("release", "debug")
 TIME_LIMIT = 600  # s, of any one program
 
+# Where the folders release and debug of the built programs are; another place lets two builds be tested side by side.
+BUILD = ROOT / os.environ.get("GELDART_BUILD", "build")
+
 # Several programs share the cores: none may be bound to one.
 os.environ.setdefault("OMPI_MCA_hwloc_base_binding_policy", "none")
 
@@ -22,7 +25,7 @@ def launch(program, *arguments, ranks=1, cwd=ROOT, time_limit=TIME_LIMIT):
 
 def program(name, mode="release"):
     """Path of a built program, such as 'src/geldart'."""
-    return ROOT / "build" / mode / name
+    return BUILD / mode / name
 
 
 @pytest.fixture(params=MODES)

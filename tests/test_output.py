@@ -50,7 +50,7 @@ def test_vtk_reads_every_step_of_the_parcels(files):
     assert np.allclose(times, [0, 0.1, 0.2, 0.3, 0.4])
     for step, time in reversed(list(enumerate(times))):
         cloud = data_at(time)
-        n = 1000 + 100 * step
+        n = 10000 + 1000 * step
         ids = np.arange(1, n + 1)
         positions = np.stack([np.sin(ids), np.cos(ids), np.full(n, 0.1 * step)], axis=1)
         assert cloud.GetNumberOfPoints() == n
@@ -90,7 +90,7 @@ def test_files_tell_where_they_come_from(files):
             assert origin["case"] == b"&run title = 'a test' /\n"
     with h5py.File(files / "parcels.vtkhdf") as file:
         assert file["VTKHDF/PointData/velocity"].attrs["unit"] == b"m/s"
-        assert file["VTKHDF/Points"].shape == (6000, 3)
+        assert file["VTKHDF/Points"].shape == (60000, 3)
     with h5py.File(files / "gas.vtkhdf") as file:
         assert file["VTKHDF/CellData/void_fraction"].attrs["unit"] == b"1"
 
@@ -123,7 +123,7 @@ def test_sidecars_describe_the_same_data(files):
     assert len(clouds) == 5 * 5 and len(grids) == 5 * 2
     for time, label, array in clouds:
         step = round(10 * time)
-        ids = np.arange(1, 1001 + 100 * step)
+        ids = np.arange(1, 10001 + 1000 * step)
         if label == "id":
             assert np.array_equal(array, ids)
         if label == "position":

@@ -90,7 +90,8 @@ contains
   end subroutine reserve
 
   !> Put parcel order(k) into column k, for k from 1 to size(order), which becomes the number of
-  !> parcels. Forces and ghosts are not kept.
+  !> parcels. Forces and ghosts are not kept: forces become zero, for a column may have been a ghost's, which
+  !> gathers reactions that nobody asks for.
   subroutine reorder(self, order)
     class(parcels_t), intent(inout) :: self
     integer, intent(in) :: order(:)
@@ -105,6 +106,7 @@ contains
     self%weight(1:n) = self%weight(order)
     self%powder(1:n) = self%powder(order)
     self%id(1:n) = self%id(order)
+    self%force(:, 1:n) = 0.0_wp
     self%n = n
     self%n_ghost = 0
   end subroutine reorder

@@ -58,7 +58,7 @@ module solids
     integer(i8) :: weighed = 0           !< of these, when the balance was looked at last
     integer(i8) :: added = 0, left = 0   !< parcels, on all ranks, since the start
     real(wp) :: mass_added = 0.0_wp, mass_left = 0.0_wp  !< [kg]
-    type(outcome_t), private :: trouble  !< met while parcels were added
+    type(outcome_t) :: trouble           !< met while parcels were added; the same on all ranks
   contains
     procedure :: create
     procedure :: add

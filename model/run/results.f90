@@ -10,7 +10,7 @@ module results
   use outcome, only: outcome_t
   use parcels, only: parcels_t, radius_row, velocity_row, spin_row, drag_row, mass_row
   use provenance, only: provenance_t
-  use scene, only: scene_t
+  use scene, only: scene_t, parts
   use schedule, only: schedule_t, new_schedule
   use series_file, only: series_file_t, column_t
   use size_audit, only: size_audit_t, quantity_names, quantity_units
@@ -86,8 +86,12 @@ contains
     type(scene_t), intent(in) :: scene
     type(column_t), allocatable :: columns(:)
 
+    integer :: i
+
     columns = [column_t('gas_step', 's', 'length of the last gas step'), &
-               column_t('wall_time', 's', 'since the start of this program')]
+               column_t('wall_time', 's', 'since the start of this program, of the first rank'), &
+               (column_t('wall_time_'//parts(i), 's', 'of that in this part'), i=1, size(parts)), &
+               column_t('wall_time_other', 's', 'of that in all the rest')]
     if (scene%with_parcels) columns = [columns, &
       column_t('parcels', '1', 'number of parcels'), &
       column_t('parcel_mass', 'kg', 'mass of all parcels'), &
@@ -166,7 +170,7 @@ contains
     class(results_t), intent(inout) :: self
     type(scene_t), intent(in) :: scene
     type(ledger_t), intent(in) :: ledger
-    real(wp), intent(in) :: seconds  !< of wall time since the start
+    real(wp), intent(in) :: seconds(:)  !< of wall time in each part, and in all the rest
     type(outcome_t), intent(inout) :: outcome
 
     if (self%every_step .or. self%series_due%is_due(scene%time)) call write_series(self, scene, ledger, seconds)
@@ -186,7 +190,7 @@ contains
     class(results_t), intent(inout) :: self
     type(scene_t), intent(in) :: scene
     type(ledger_t), intent(in) :: ledger
-    real(wp), intent(in) :: seconds  !< of wall time since the start
+    real(wp), intent(in) :: seconds(:)  !< of wall time in each part, and in all the rest
     type(outcome_t), intent(inout) :: outcome
 
     call write_series(self, scene, ledger, seconds)
@@ -198,7 +202,7 @@ contains
     class(results_t), intent(inout) :: self
     type(scene_t), intent(in) :: scene
     type(ledger_t), intent(in) :: ledger
-    real(wp), intent(in) :: seconds
+    real(wp), intent(in) :: seconds(:)
 
     call self%series_due%done(scene%time)
     call self%look(scene)
@@ -224,10 +228,10 @@ contains
     class(results_t), intent(in) :: self
     type(scene_t), intent(in) :: scene
     type(ledger_t), intent(in) :: ledger
-    real(wp), intent(in) :: seconds
+    real(wp), intent(in) :: seconds(:)
     real(wp), allocatable :: row(:)
 
-    row = [scene%report%dt, seconds]
+    row = [scene%report%dt, sum(seconds), seconds]
     if (scene%with_parcels) then
       associate (s => self%statistics)
         row = [row, real(s%parcels, wp), s%mass, real(s%left, wp), real(s%lost, wp), self%bed%height, &

@@ -6,9 +6,8 @@ module simulation
   use checkpoint, only: write_checkpoint, read_checkpoint
   use cloud, only: cloud_t
   use communicator, only: communicator_t
-  use constants, only: is_set
   use cost, only: print_cost
-  use files, only: exists, make_folder, remove_file
+  use files, only: exists, make_folder
   use generator, only: generate
   use kinds, only: wp, i8
   use ledger, only: ledger_t
@@ -18,11 +17,11 @@ module simulation
   use results, only: results_t
   use scene, only: scene_t, part_output
   use schedule, only: schedule_t, new_schedule
-  use signals, only: catch_signals, caught_signal, signal_name
+  use signals, only: catch_signals
   use size_audit, only: size_audit_t, write_audit
   use solids_statistics, only: find_statistics
+  use stop_request, only: stop_request_t
   use text, only: shown
-  use timing, only: wall_seconds
   use version, only: program_version, git_commit
   use vessel, only: vessel_t
   implicit none
@@ -30,7 +29,6 @@ module simulation
   public :: simulation_t, orders_t
 
   real(wp), parameter :: last_bit = 1.0e-5_wp  !< of a step: what is left of the run when it counts as done
-  integer, parameter :: stop_interval = 20     !< steps between two looks for a stop file
 
   !> What the command line asks for beside the case.
   type :: orders_t
@@ -49,8 +47,8 @@ module simulation
     type(results_t) :: results
     type(progress_t) :: progress
     type(schedule_t) :: restart_due
+    type(stop_request_t) :: stop
     type(size_audit_t), allocatable :: audits(:)  !< on the root: the powders asked for and those made
-    real(wp) :: begun = 0                         !< wall clock [s]
     real(wp) :: time_at_start = 0                 !< simulated [s]
     type(ledger_t) :: ledger_at_start
     logical :: writing = .false.                  !< whether the files are open
@@ -70,7 +68,6 @@ contains
     type(orders_t), intent(in) :: orders
     type(outcome_t), intent(inout) :: outcome
 
-    self%begun = wall_seconds()
     self%comm = comm
     self%case = case
     self%orders = orders
@@ -132,18 +129,17 @@ contains
                                              cloud%weight(0), cloud%density(0), cloud%powder(0), cloud%id(0))
     call self%scene%solids%add(cloud%position, cloud%velocity, cloud%diameter, cloud%weight, cloud%density, &
                                cloud%powder, cloud%id)
+    outcome = self%scene%solids%trouble
   end subroutine fill_vessel
 
   subroutine open_files(self, outcome)
     class(simulation_t), intent(inout) :: self
     type(outcome_t), intent(inout) :: outcome
 
-    if (self%comm%is_root()) then
-      call make_folder(self%orders%folder, outcome)
-      call remove_file(stop_file(self))
-    end if
+    if (self%comm%is_root()) call make_folder(self%orders%folder, outcome)
     call agree(self%comm, outcome)
     if (outcome%failed()) return
+    call self%stop%start(self%comm, self%orders%folder, self%case%run%wall_clock_limit)
     if (len(self%orders%restart) > 0) then
       call self%results%open(self%orders%folder, self%case, self%scene, self%origin, outcome, self%scene%time)
       self%restart_due = new_schedule(self%case%output%restart_interval, self%scene%time)
@@ -184,7 +180,7 @@ contains
 
     if (outcome%failed()) return
     call self%scene%watch%enter(part_output)
-    call self%results%write_due(self%scene, self%ledger, wall_seconds() - self%begun, outcome)
+    call self%results%write_due(self%scene, self%ledger, self%scene%watch%seconds(), outcome)
     if (.not. outcome%failed() .and. self%restart_due%is_due(self%scene%time)) then
       call self%restart_due%done(self%scene%time)
       call write_checkpoint(restart_name(self), self%scene, self%ledger, self%origin, outcome)
@@ -202,7 +198,7 @@ contains
 
     call self%scene%watch%enter(part_output)
     if (outcome%failed() .and. outcome%code /= exit_stopped) then
-      call self%results%write_all(self%scene, self%ledger, wall_seconds() - self%begun, writing)
+      call self%results%write_all(self%scene, self%ledger, self%scene%watch%seconds(), writing)
       call write_checkpoint(self%orders%folder//'/failed.h5', self%scene, self%ledger, self%origin, writing)
     else
       call write_checkpoint(restart_name(self), self%scene, self%ledger, self%origin, writing)
@@ -212,33 +208,15 @@ contains
     if (writing%failed()) call outcome%fail(writing%code, writing%message)
   end subroutine write_last_state
 
-  !> Signals, the wall-clock limit and the stop file; every rank comes to the same decision.
+  !> End the run where a signal, the wall clock or a stop file asks for it; every rank comes to the same decision.
   subroutine look_for_stop(self, outcome)
     class(simulation_t), intent(inout) :: self
     type(outcome_t), intent(inout) :: outcome
 
-    integer :: signal
-    logical :: out_of_time, stop_asked
-
     if (outcome%failed()) return
-    out_of_time = .false.
-    stop_asked = .false.
-    if (self%comm%is_root()) then
-      if (is_set(self%case%run%wall_clock_limit)) &
-        out_of_time = wall_seconds() - self%begun > self%case%run%wall_clock_limit
-      if (modulo(self%scene%steps, int(stop_interval, i8)) == 0) stop_asked = exists(stop_file(self))
-    end if
-    ! One exchange for all three: signals are positive.
-    signal = self%comm%max(max(caught_signal(), merge(1000, 0, out_of_time), merge(2000, 0, stop_asked)))
-    if (signal == 0) return
-    if (signal >= 2000) then
-      call outcome%fail(exit_stopped, 'stopped by the file '//stop_file(self))
-    else if (signal >= 1000) then
-      call outcome%fail(exit_stopped, 'stopped at the wall_clock_limit of '//shown(self%case%run%wall_clock_limit)//' s')
-    else
-      call outcome%fail(exit_stopped, 'stopped by the signal '//signal_name(signal))
-    end if
-    outcome%message = outcome%message//' at t = '//shown(self%scene%time)//' s; go on with --restart '//restart_name(self)
+    if (.not. self%stop%is_made(self%comm)) return
+    call outcome%fail(exit_stopped, 'stopped by '//self%stop%reason()//' at t = '//shown(self%scene%time) &
+                      //' s; go on with --restart '//restart_name(self))
   end subroutine look_for_stop
 
   subroutine show_progress(self)
@@ -299,13 +277,6 @@ contains
     if (self%comm%is_root()) print '(2a)', 'results in ', self%orders%folder
     if (self%scene%with_gas) call self%scene%gas%destroy()
   end subroutine finish
-
-  pure function stop_file(self) result(name)
-    class(simulation_t), intent(in) :: self
-    character(len=:), allocatable :: name
-
-    name = self%orders%folder//'/stop'
-  end function stop_file
 
   pure function restart_name(self) result(name)
     class(simulation_t), intent(in) :: self

@@ -7,7 +7,7 @@ function close_file() { if (fortran && line_number > file_limit) report("a file 
 function keep(library, homes) { only[library] = homes }
 BEGIN {
   line_limit = 132; file_limit = 450; procedure_limit = 90
-  keep("hdf5", "^src/io/hdf5_file"); keep("mpi", "^src/(parallel|io)/"); keep("mpi_f08", "^src/(parallel|io)/")
+  keep("hdf5", "^src/io/hdf5_file"); keep("mpi", "^(src/(parallel|io)|tests)/"); keep("mpi_f08", "^(src/(parallel|io)|tests)/")
   heading = "^(pure |elemental |impure |recursive |module |integer|real|logical|character|type)*[^!'\"]*(subroutine|function) +[a-z]"
 }
 FNR == 1 { if (NR > 1) close_file(); file = FILENAME; fortran = file ~ /\.f90$/; start = 0 }

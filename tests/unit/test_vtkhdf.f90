@@ -1,8 +1,9 @@
 !> Parcels and gas over several steps, continued after steps were dropped. What VTK and h5py find in the files is
 !> tested by tests/test_output.py, which runs this program with a folder as its argument.
 !>
-!> Parcel `id` of step s is at (sin(id), cos(id), s/10); step s has 1000 + 100 s parcels, and the last rank none of
-!> those of step 1. The void fraction of cell (i,j,k) is 1/(i + 10 j + 100 k + 1000 s), its velocity (i, j, k + s).
+!> Parcel `id` of step s is at (sin(id), cos(id), s/10); step s has 10000 + 1000 s parcels, so that steps share the
+!> chunks of the file, and the last rank has none of those of step 1. The void fraction of cell (i,j,k) is
+!> 1/(i + 10 j + 100 k + 1000 s), its velocity (i, j, k + s).
 program test_vtkhdf
   use boxes, only: boxes_t, new_boxes
   use check, only: expect, finish
@@ -40,7 +41,7 @@ program test_vtkhdf
     call read_back()
     call expect(steps == 5, 'steps after the time of the restart are gone, later ones follow')
     call expect(all(abs(times - 0.1_wp*[0, 1, 2, 3, 4]) < 1.0e-12_wp), 'every time is there once')
-    call expect(all(counts == [1000, 1100, 1200, 1300, 1400]), 'the number of parcels of every step is right')
+    call expect(all(counts == 1000*[10, 11, 12, 13, 14]), 'the number of parcels of every step is right')
     call expect(exists(folder//'/parcels.xmf'), 'the sidecar of the parcels is written')
     call expect(exists(folder//'/gas.xmf'), 'the sidecar of the gas is written')
     call finish()
@@ -93,7 +94,7 @@ contains
     real(wp), allocatable :: position(:,:)
     integer(i8), allocatable :: id(:)
 
-    total = 1000 + 100*s
+    total = 10000 + 1000*s
     ranks = merge(comm%size - 1, comm%size, s == 1 .and. comm%size > 1)
     low = total*comm%rank/ranks
     high = min(total*(comm%rank + 1)/ranks, total)
