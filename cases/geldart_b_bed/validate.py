@@ -241,7 +241,10 @@ def tell_cost(run):
 
 
 def main():
-    run = results.Run(sys.argv[1] if len(sys.argv) > 1 else HERE / "results")
+    folder = Path(sys.argv[1]) if len(sys.argv) > 1 else HERE / "results"
+    if not (folder / "monitor.h5").exists():
+        sys.exit(f"there are no results in {folder}: make run")
+    run = results.Run(folder)
     checks = Checks()
     summary = check(run, checks)
     picture = run.folder / "geldart_b_bed.png"

@@ -16,7 +16,7 @@ module contact_history
     integer :: n = 0
     integer, allocatable :: own(:)          !< (n at least) column of my parcel
     integer, allocatable :: other(:)        !< column of the partner, 0 if it is not mine
-    integer(i8), allocatable :: other_id(:) !< id of the partner, where `other` is 0
+    integer(i8), allocatable :: other_id(:)  !< id of the partner, where `other` is 0
     real(wp), allocatable :: slip(:,:)      !< (3, n at least) from my parcel to the partner [m]
   contains
     procedure :: collect

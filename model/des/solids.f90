@@ -29,7 +29,7 @@ module solids
   public :: solids_t
 
   real(wp), parameter :: automatic_skin = 0.25_wp    !< skin over the diameter of a parcel
-  real(wp), parameter :: tolerated_imbalance = 1.1_wp !< largest load over the mean before tiles change hands
+  real(wp), parameter :: tolerated_imbalance = 1.1_wp  !< largest load over the mean before tiles change hands
   real(wp), parameter :: entry_work = 0.3_wp         !< work of a listed pair over that of a parcel by itself
 
   type :: solids_t
@@ -281,8 +281,9 @@ contains
     class(solids_t), intent(inout) :: self
 
     call self%history%clear()
-    if (self%parcels%rotation .and. self%rebuilds > 0) &
+    if (self%parcels%rotation .and. self%rebuilds > 0) then
       call self%history%collect(self%list, self%walls, self%parcels, self%step)
+    end if
   end subroutine keep_history
 
   !> New lists for the parcels where they are. All ranks take part.

@@ -80,8 +80,9 @@ contains
     integer :: next(solids%parcels%n), m, i, j
 
     call history%clear()
-    if (solids%parcels%rotation .and. solids%rebuilds > 0) &
+    if (solids%parcels%rotation .and. solids%rebuilds > 0) then
       call history%collect(solids%list, solids%walls, solids%parcels, solids%step)
+    end if
     do m = 1, history%n
       i = history%own(m)
       j = history%other(m)
@@ -140,8 +141,9 @@ contains
     call import_contacts(state, solids%history)
     if (solids%added == 0) return
     call solids%set_reach()
-    if (size(state%owner) == solids%tiles%total .and. all(state%owner < solids%comm%size)) &
+    if (size(state%owner) == solids%tiles%total .and. all(state%owner < solids%comm%size)) then
       call solids%tiles%set_owners(state%owner)
+    end if
     call solids%make_lists(outcome)
     do i = 1, solids%parcels%n
       now = solids%parcels%built(:, i)

@@ -12,7 +12,7 @@ module gas
   use kinds, only: wp
   use mesh, only: mesh_t
   use outcome, only: outcome_t
-  use simple, only: advance_state, restore_state
+  use simple_step, only: advance_state, restore_state
   implicit none
   private
   public :: gas_t, gas_report_t, new_gas, saved_fields
@@ -72,33 +72,29 @@ contains
     call restore_state(self)
   end subroutine reject
 
-  !> Velocity of the gas in each cell, the mean over the faces that share its drag [m/s]: the drag on the gas is
-  !> drag_source - drag*cell_velocity exactly. 0 along a direction in which a cell has no free face.
+  !> Velocity of the gas in each cell, the mean over the two faces that share its drag [m/s]: the drag on the gas is
+  !> drag_source - drag*cell_velocity exactly.
   pure subroutine cell_velocity(self, velocity)
     class(gas_t), intent(in) :: self
     real(wp), intent(out), contiguous :: velocity(:,:,:,:)  !< (3, cells 1..n)
 
     integer :: a, i, j, k, e(3)
-    real(wp) :: below, above
 
     do a = 1, 3
       e = unit_step(a)
       do k = 1, self%boxes%n(3)
         do j = 1, self%boxes%n(2)
           do i = 1, self%boxes%n(1)
-            below = self%free(i - e(1), j - e(2), k - e(3), a)
-            above = self%free(i, j, k, a)
-            velocity(a, i, j, k) = &
-              below*(1 - 0.5_wp*above)*self%velocity(i - e(1), j - e(2), k - e(3), a) &
-              + above*(1 - 0.5_wp*below)*self%velocity(i, j, k, a)
+            velocity(a, i, j, k) = 0.5_wp*(self%velocity(i - e(1), j - e(2), k - e(3), a) + self%velocity(i, j, k, a))
           end do
         end do
       end do
     end do
   end subroutine cell_velocity
 
-  !> Pressure gradient in each cell, the mean over the same faces [Pa/m]. The pressure given on an open face is half
-  !> a cell away, not a whole one; beyond it the void fraction is 0.
+  !> Pressure gradient in each cell, the mean over its faces that are solved for [Pa/m], 0 along a direction in which
+  !> it has none. The pressure given on an open face is half a cell away, not a whole one; beyond it the void fraction
+  !> is 0.
   pure subroutine cell_pressure_gradient(self, gradient)
     class(gas_t), intent(in) :: self
     real(wp), intent(out), contiguous :: gradient(:,:,:,:)  !< (3, cells 1..n)
@@ -127,29 +123,27 @@ contains
     end do
   end subroutine cell_pressure_gradient
 
-  !> Force of the drag on the gas, over all ranks [N].
+  !> Force of the drag on the gas in the last step, over all ranks, face by face as momentum has it [N]. What falls on
+  !> faces whose velocity is given is borne by the boundary.
   function drag_total(self) result(force)
     class(gas_t), intent(in) :: self
     real(wp) :: force(3)
 
-    integer :: a, i, j, k, e(3)
-    real(wp) :: below, above
+    integer :: a, i, j, k, e(3), lo(3)
 
     force = 0.0_wp
     do a = 1, 3
       e = unit_step(a)
-      do k = 1, self%boxes%n(3)
-        do j = 1, self%boxes%n(2)
-          do i = 1, self%boxes%n(1)
-            below = self%free(i - e(1), j - e(2), k - e(3), a)
-            above = self%free(i, j, k, a)
-            force(a) = force(a) &
-              + below*(1 - 0.5_wp*above)*(self%drag_source(a, i, j, k) &
-                                          - self%drag(i, j, k)*self%velocity(i - e(1), j - e(2), k - e(3), a)) &
-              + above*(1 - 0.5_wp*below)*(self%drag_source(a, i, j, k) - self%drag(i, j, k)*self%velocity(i, j, k, a))
+      lo = self%first(:, a)
+      associate (n => self%boxes%n, coefficient => self%forces(:, :, :, 1), source => self%forces(:, :, :, 1 + a))
+        do k = lo(3), n(3)
+          do j = lo(2), n(2)
+            do i = lo(1), n(1)
+              force(a) = force(a) + 0.5_wp*(drag_of([i, j, k]) + drag_of([i, j, k] + e))
+            end do
           end do
         end do
-      end do
+      end associate
     end do
     force = self%boxes%comm%sum(force)
   end function drag_total

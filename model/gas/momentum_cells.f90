@@ -169,7 +169,7 @@ contains
         u(:, n + 1, :, a) = u(:, n, :, a)
       case (7)
         u(:, :, -1, a) = u(:, :, 0, a)
-      case (8)
+      case default
         u(:, :, n + 1, a) = u(:, :, n, a)
       end select
     end associate

@@ -178,11 +178,13 @@ contains
     real(wp) :: slack(3)
 
     slack = tolerance*(vessel%upper - vessel%lower)
-    if (any(box%lower < vessel%lower - slack) .or. any(box%upper > vessel%upper + slack)) &
+    if (any(box%lower < vessel%lower - slack) .or. any(box%upper > vessel%upper + slack)) then
       call outcome%fail(exit_input, label(fill)//': its box reaches out of the domain')
-    if (any(box%upper - box%lower < widest*(1.0_wp - tolerance))) &
+    end if
+    if (any(box%upper - box%lower < widest*(1.0_wp - tolerance))) then
       call outcome%fail(exit_input, label(fill)//': its widest parcel, '//short(widest)//' m, is wider than its box, '// &
                         short(minval(box%upper - box%lower))//' m')
+    end if
   end subroutine check_room
 
   !> Parcels of a file may touch, as in a bed at rest, but not sit inside each other.
@@ -252,8 +254,9 @@ contains
       do j = 1, size(fills)
         if (fills(j)%powder /= i) cycle
         if (is_set(fills(j)%mass)) mass = mass + fills(j)%mass
-        if (.not. is_set(fills(j)%mass)) &
+        if (.not. is_set(fills(j)%mass)) then
           mass = mass + fills(j)%number*mean_parcel_mass(distribution, weighting, powders(i)%density)
+        end if
       end do
       audits(i)%asked = summary_asked(distribution, powders(i)%density, mass)
     end do

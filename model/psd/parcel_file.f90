@@ -70,10 +70,11 @@ contains
           ': '//trim(column_names(i))//' = '//shown(table%values(i, row))//' must be positive')
       end do
       do i = 1, 3
-        if (table%values(i, row) < vessel%lower(i) .or. table%values(i, row) > vessel%upper(i)) &
+        if (table%values(i, row) < vessel%lower(i) .or. table%values(i, row) > vessel%upper(i)) then
           call problems%add(place_of_row(table, row)//': '//trim(column_names(i))//' = '// &
                             shown(table%values(i, row))//' m is outside the domain, '// &
                             shown(vessel%lower(i))//' to '//shown(vessel%upper(i)))
+        end if
       end do
     end do
   end subroutine check_rows

@@ -25,7 +25,7 @@ module size_distribution
     real(wp), allocatable :: diameter(:)   !< sizes or quadrature points, rising [m]
     real(wp), allocatable :: share(:)      !< of the number of particles at each, together 1 [-]
     real(wp), allocatable :: edge(:)       !< (cells+1) edges of the cells, rising [m]; not if discrete
-    real(wp), allocatable :: density(:, :) !< (2,cells) relative number density at both ends of a cell
+    real(wp), allocatable :: density(:, :)  !< (2,cells) relative number density at both ends of a cell
   contains
     procedure :: moment                    !< <d^q>
     procedure :: number_mean               !< <d>
@@ -106,8 +106,9 @@ contains
       if (powder%mean_diameter <= 0.0_wp) fault = 'mean_diameter is missing or not positive'
       if (powder%standard_deviation <= 0.0_wp) fault = 'standard_deviation is missing or not positive'
       if (len(fault) == 0) then
-        if (minval(natural_limits(powder)) <= 0.0_wp .and. powder%minimum_diameter <= 0.0_wp) &
+        if (minval(natural_limits(powder)) <= 0.0_wp .and. powder%minimum_diameter <= 0.0_wp) then
           fault = 'a normal distribution this wide needs a positive minimum_diameter'
+        end if
       end if
     case ('sieve_table', 'number_table')
       fault = fault_of_table(powder)
@@ -130,8 +131,9 @@ contains
     if (any(powder%sizes <= 0.0_wp) .or. any(powder%sizes(2:) <= powder%sizes(:n - 1))) return
     fault = ''
     if (powder%distribution == 'number_table') then
-      if (any(powder%fractions < 0.0_wp) .or. abs(sum(powder%fractions) - 1.0_wp) > closure) &
+      if (any(powder%fractions < 0.0_wp) .or. abs(sum(powder%fractions) - 1.0_wp) > closure) then
         fault = 'the fractions of its table must not be negative and together be 1'
+      end if
     else if (n < 2 .or. abs(powder%fractions(1)) > 0.0_wp .or. abs(powder%fractions(n) - 1.0_wp) > closure &
       .or. any(powder%fractions(2:) < powder%fractions(:n - 1))) then
       fault = 'the fractions of its table must rise from 0 at the first size to 1 at the last'

@@ -41,9 +41,10 @@ contains
       if (settings%diameter <= 0.0_wp) call outcome%fail(exit_input, "&parcels weighting = 'ssp' needs a diameter")
     case ('blend')
       weighting = weighting_t(settings%weight, settings%reference_diameter, settings%blend_exponent)
-      if (min(settings%weight, settings%reference_diameter) <= 0.0_wp .or. settings%blend_exponent < 0.0_wp) &
+      if (min(settings%weight, settings%reference_diameter) <= 0.0_wp .or. settings%blend_exponent < 0.0_wp) then
         call outcome%fail(exit_input, &
           "&parcels weighting = 'blend' needs a weight, a reference_diameter and a blend_exponent")
+      end if
     case default
       call outcome%fail(exit_input, "&parcels weighting = '"//trim(settings%weighting)//"' is not known")
     end select

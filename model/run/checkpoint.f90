@@ -113,8 +113,9 @@ contains
     scene%unseen = clock(5)
     scene%begun = clock(6) > 0.5_wp
     phases = merge(1, 0, scene%with_gas) + merge(2, 0, scene%with_parcels)
-    if (phases /= nint(clock(7))) &
+    if (phases /= nint(clock(7))) then
       call outcome%fail(exit_input, 'the case and its restart file do not both have a gas, or parcels')
+    end if
   end subroutine set_clock
 
   subroutine read_gas(file, scene, name, outcome)

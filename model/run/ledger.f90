@@ -67,8 +67,9 @@ contains
 
     self%worst_exchange = max(self%worst_exchange, exchange%momentum_residual)
     self%least_void_fraction = min(self%least_void_fraction, exchange%least_void_fraction)
-    if (exchange%solids_volume > 0) &
+    if (exchange%solids_volume > 0) then
       self%worst_clipping = max(self%worst_clipping, exchange%clipped_volume/exchange%solids_volume)
+    end if
   end subroutine enter_exchange
 
   !> The books as plain numbers, for a restart file.

@@ -87,8 +87,9 @@ contains
     end associate
     if (self%with_parcels) call self%solids%create(comm, chamber_of(case%domain, case%boundaries), case%contact, case%des, &
                                                    self%with_gas, tile_width(self))
-    if (self%with_gas .and. self%with_parcels) &
+    if (self%with_gas .and. self%with_parcels) then
       call self%coupling%create(self%mesh, self%boxes, case%coupling, case%gas, case%domain%gravity)
+    end if
   end subroutine create
 
   subroutine create_gas(self, case, outcome)
@@ -159,8 +160,8 @@ contains
   end function next_step
 
   !> One step of at most `limit`; a whole one where that is the same but for round-off, so that a run that ends and is
-  !> continued takes the steps of one that never ended. All ranks agree on the outcome; where it failed nothing has moved since the last
-  !> good step but, at worst, the parcels within the present one.
+  !> continued takes the steps of one that never ended. All ranks agree on the outcome; where it failed nothing has
+  !> moved since the last good step but, at worst, the parcels within the present one.
   subroutine advance(self, limit, outcome)
     class(scene_t), intent(inout) :: self
     real(wp), intent(in) :: limit  !< [s]

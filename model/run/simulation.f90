@@ -242,8 +242,9 @@ contains
     call self%progress%say('geldart '//program_version//' ('//git_commit//'), '//shown(self%comm%size)//' ranks: ' &
                            //self%case%file)
     if (len_trim(self%case%run%title) > 0) call self%progress%say('  '//trim(self%case%run%title))
-    if (len(self%orders%restart) > 0) &
+    if (len(self%orders%restart) > 0) then
       call self%progress%say('  continues '//self%orders%restart//' at t = '//shown(self%scene%time)//' s')
+    end if
     if (allocated(self%audits)) then
       do i = 1, size(self%audits)
         call write_audit(output_unit, self%audits(i))

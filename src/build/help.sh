@@ -8,7 +8,7 @@ make compare       one small bed as DEM, as SSW and as SSP: what each costs and 
 make deps          install what is missing (apt, as root or by sudo; and the Python packages in .venv)
 make unit          build the test programs of this MODE
 make lint          style, layers, whitespace
-make validate      check and draw the results that are there again
+make validate      every validate.py of cases/: physics against what it must be
 make bench         measure speeds into build/bench.json
 make clean         remove build/
 

@@ -37,6 +37,7 @@ module hypre_struct
     !> Through a Fortran 77 name: a solver on a communicator.
     subroutine solver_on_ranks(comm, solver, error) bind(c)
       import :: c_int, c_ptr
+      implicit none
       integer(c_int), intent(in) :: comm
       type(c_ptr), intent(out) :: solver
       integer(c_int), intent(out) :: error
@@ -45,12 +46,14 @@ module hypre_struct
     !> One handle: assemble, initialise, destroy.
     function one_handle(handle) result(error) bind(c)
       import :: c_int, c_ptr
+      implicit none
       type(c_ptr), value :: handle
       integer(c_int) :: error
     end function one_handle
 
     function handle_and_integer(handle, value) result(error) bind(c)
       import :: c_int, c_ptr
+      implicit none
       type(c_ptr), value :: handle
       integer(c_int), value :: value
       integer(c_int) :: error
@@ -58,6 +61,7 @@ module hypre_struct
 
     function handle_and_integers(handle, values) result(error) bind(c)
       import :: c_int, c_ptr
+      implicit none
       type(c_ptr), value :: handle
       integer(c_int), intent(in) :: values(*)
       integer(c_int) :: error
@@ -65,6 +69,7 @@ module hypre_struct
 
     function handle_and_real(handle, value) result(error) bind(c)
       import :: c_int, c_ptr, c_double
+      implicit none
       type(c_ptr), value :: handle
       real(c_double), value :: value
       integer(c_int) :: error
@@ -73,6 +78,7 @@ module hypre_struct
     !> Set-up and solution alike.
     function solver_step(solver, matrix, rhs, solution) result(error) bind(c)
       import :: c_int, c_ptr
+      implicit none
       type(c_ptr), value :: solver, matrix, rhs, solution
       integer(c_int) :: error
     end function solver_step
@@ -110,6 +116,7 @@ module hypre_struct
   interface
     subroutine grid_create(comm, dimensions, grid, error) bind(c, name='hypre_structgridcreate_')
       import :: c_int, c_ptr
+      implicit none
       integer(c_int), intent(in) :: comm, dimensions
       type(c_ptr), intent(out) :: grid
       integer(c_int), intent(out) :: error
@@ -117,6 +124,7 @@ module hypre_struct
 
     subroutine matrix_create(comm, grid, stencil, matrix, error) bind(c, name='hypre_structmatrixcreate_')
       import :: c_int, c_ptr
+      implicit none
       integer(c_int), intent(in) :: comm
       type(c_ptr), intent(in) :: grid, stencil
       type(c_ptr), intent(out) :: matrix
@@ -125,6 +133,7 @@ module hypre_struct
 
     subroutine vector_create(comm, grid, vector, error) bind(c, name='hypre_structvectorcreate_')
       import :: c_int, c_ptr
+      implicit none
       integer(c_int), intent(in) :: comm
       type(c_ptr), intent(in) :: grid
       type(c_ptr), intent(out) :: vector
@@ -133,6 +142,7 @@ module hypre_struct
 
     function grid_extents(grid, lo, hi) result(error) bind(c, name='HYPRE_StructGridSetExtents')
       import :: c_int, c_ptr
+      implicit none
       type(c_ptr), value :: grid
       integer(c_int), intent(in) :: lo(*), hi(*)
       integer(c_int) :: error
@@ -140,6 +150,7 @@ module hypre_struct
 
     function stencil_create(dimensions, size, stencil) result(error) bind(c, name='HYPRE_StructStencilCreate')
       import :: c_int, c_ptr
+      implicit none
       integer(c_int), value :: dimensions, size
       type(c_ptr), intent(out) :: stencil
       integer(c_int) :: error
@@ -147,6 +158,7 @@ module hypre_struct
 
     function stencil_element(stencil, entry, offset) result(error) bind(c, name='HYPRE_StructStencilSetElement')
       import :: c_int, c_ptr
+      implicit none
       type(c_ptr), value :: stencil
       integer(c_int), value :: entry
       integer(c_int), intent(in) :: offset(*)
@@ -156,6 +168,7 @@ module hypre_struct
     function matrix_values(matrix, lo, hi, count, entry, values) result(error) &
       bind(c, name='HYPRE_StructMatrixSetBoxValues')
       import :: c_int, c_ptr, c_double
+      implicit none
       type(c_ptr), value :: matrix
       integer(c_int), intent(in) :: lo(*), hi(*)
       integer(c_int), value :: count
@@ -166,6 +179,7 @@ module hypre_struct
 
     function vector_values(vector, lo, hi, values) result(error) bind(c, name='HYPRE_StructVectorSetBoxValues')
       import :: c_int, c_ptr, c_double
+      implicit none
       type(c_ptr), value :: vector
       integer(c_int), intent(in) :: lo(*), hi(*)
       real(c_double), intent(in) :: values(*)
@@ -174,6 +188,7 @@ module hypre_struct
 
     function vector_read(vector, lo, hi, values) result(error) bind(c, name='HYPRE_StructVectorGetBoxValues')
       import :: c_int, c_ptr, c_double
+      implicit none
       type(c_ptr), value :: vector
       integer(c_int), intent(in) :: lo(*), hi(*)
       real(c_double), intent(out) :: values(*)
@@ -183,6 +198,7 @@ module hypre_struct
     function gradients_precondition(solver, cycle, setup, preconditioner) result(error) &
       bind(c, name='HYPRE_StructPCGSetPrecond')
       import :: c_int, c_ptr, c_funptr
+      implicit none
       type(c_ptr), value :: solver
       type(c_funptr), value :: cycle, setup
       type(c_ptr), value :: preconditioner
@@ -191,11 +207,13 @@ module hypre_struct
 
     function clear_errors() result(error) bind(c, name='HYPRE_ClearAllErrors')
       import :: c_int
+      implicit none
       integer(c_int) :: error
     end function clear_errors
 
     function gradients_iterations(solver, count) result(error) bind(c, name='HYPRE_StructPCGGetNumIterations')
       import :: c_int, c_ptr
+      implicit none
       type(c_ptr), value :: solver
       integer(c_int), intent(out) :: count
       integer(c_int) :: error

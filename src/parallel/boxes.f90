@@ -23,7 +23,7 @@ module boxes
     integer :: n(3)                    !< cells of my box
     logical :: at_low(3), at_high(3)   !< whether my box touches a face of the domain that is not periodic
     integer :: neighbour(2, 3)         !< rank below and above in each direction, or -1; may be myself
-    integer, allocatable :: first(:,:) !< (0:ranks, 3) first cell of the boxes at each place
+    integer, allocatable :: first(:,:)  !< (0:ranks, 3) first cell of the boxes at each place
   contains
     procedure :: rank_at
     procedure :: owner_of

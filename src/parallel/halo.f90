@@ -108,7 +108,7 @@ contains
         f(to, :, :, :) = f(from, :, :, :)
       case (2)
         f(:, to, :, :) = f(:, from, :, :)
-      case (3)
+      case default
         f(:, :, to, :) = f(:, :, from, :)
       end select
     end do

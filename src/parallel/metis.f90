@@ -25,6 +25,7 @@ module metis
   interface
     function metis_set_default_options(options) bind(C, name='METIS_SetDefaultOptions') result(code)
       import :: c_int, idx_t
+      implicit none
       integer(idx_t), intent(inout) :: options(*)
       integer(c_int) :: code
     end function metis_set_default_options
@@ -32,6 +33,7 @@ module metis
     function metis_part_graph_kway(vertices, constraints, first, neighbour, weight, sizes, edge, parts, shares, &
                                    balances, options, cut, part) bind(C, name='METIS_PartGraphKway') result(code)
       import :: c_int, idx_t, c_ptr
+      implicit none
       integer(idx_t), intent(in) :: vertices, constraints, first(*), neighbour(*), weight(*), edge(*), parts, options(*)
       type(c_ptr), value :: sizes, shares, balances
       integer(idx_t), intent(out) :: cut
@@ -43,6 +45,7 @@ module metis
                                         balances, options, cut, part) bind(C, name='METIS_PartGraphRecursive') &
       result(code)
       import :: c_int, idx_t, c_ptr
+      implicit none
       integer(idx_t), intent(in) :: vertices, constraints, first(*), neighbour(*), weight(*), edge(*), parts, options(*)
       type(c_ptr), value :: sizes, shares, balances
       integer(idx_t), intent(out) :: cut

@@ -48,8 +48,9 @@ contains
     real(wp), intent(out) :: x(3, n)
 
     integer :: unit, status, i
+    character(len=80) :: message
 
-    open (newunit=unit, file=file, access='stream', form='unformatted', status='old', iostat=status)
+    open (newunit=unit, file=file, access='stream', form='unformatted', status='old', action='read', iostat=status, iomsg=message)
     if (len_trim(file) > 0 .and. status == 0) then
       read (unit) x
       close (unit)
@@ -60,7 +61,7 @@ contains
     call settle(x, stiffness=60.0_wp, time=0.02_wp)
     call settle(x, stiffness=200.0_wp, time=0.04_wp)
     if (len_trim(file) == 0) return
-    open (newunit=unit, file=file, access='stream', form='unformatted', status='replace')
+    open (newunit=unit, file=file, access='stream', form='unformatted', status='replace', action='write')
     write (unit) x
     close (unit)
   end subroutine settled_bed

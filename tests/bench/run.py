@@ -2,7 +2,7 @@
 
 usage: run.py build/release build/bench.json
 
-A program prints lines 'bench NAME VALUE UNIT'; other lines pass to the screen. A comment
+A program prints lines 'bench NAME VALUE UNIT'; all it prints is kept as well. A comment
 '! ranks: 1 2' among its first lines asks for those numbers of ranks instead of one.
 """
 
@@ -31,28 +31,23 @@ def processor():
 
 
 def measure(program, ranks):
+    """One run: what it measured, and the lines it printed."""
     command = ["sh", str(ROOT / "src/build/launch.sh"), str(ranks), str(program)]
     done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT)
     if done.returncode:
         sys.exit(f"{program.name} on {ranks} ranks: exit {done.returncode}\n{done.stdout}{done.stderr}")
-    for line in done.stdout.splitlines():
-        words = line.split()
-        if len(words) == 4 and words[0] == "bench":
-            print(f"{program.name[6:]:20} {ranks:3}  {words[1]:40} {float(words[2]):12.4g} {words[3]}", flush=True)
-            yield {"program": program.name, "ranks": ranks, "name": words[1], "value": float(words[2]), "unit": words[3]}
-        else:
-            print(line)
+    print(f"{program.name} on {ranks} ranks\n{done.stdout}", flush=True)
+    words = [line.split() for line in done.stdout.splitlines()]
+    measured = {w[1]: {"value": float(w[2]), "unit": w[3]} for w in words if len(w) == 4 and w[0] == "bench"}
+    return {"program": program.name, "ranks": ranks, "measured": measured, "printed": done.stdout.splitlines()}
 
 
 def main(build, result):
-    measured = []
-    for source in sorted((ROOT / "tests/bench").glob("bench_*.f90")):
-        for ranks in ranks_of(source):
-            measured += measure(ROOT / build / "tests/bench" / source.stem, ranks)
-    if not measured:
-        sys.exit("there are no bench programs in tests/bench")
+    sources = sorted((ROOT / "tests/bench").glob("bench_*.f90"))
+    runs = [measure(ROOT / build / "tests/bench" / source.stem, ranks) for source in sources for ranks in ranks_of(source)]
     machine = {"processor": processor(), "cores": os.cpu_count()}
-    Path(result).write_text(json.dumps({"machine": machine, "measured": measured}, indent=1) + "\n")
+    Path(result).write_text(json.dumps({"machine": machine, "runs": runs}, indent=1) + "\n")
+    print(f"written to {result}")
 
 
 if __name__ == "__main__":

@@ -64,6 +64,7 @@ contains
     interface
       pure function value(cell) result(x)
         import :: wp
+        implicit none
         integer, intent(in) :: cell(3)
         real(wp) :: x
       end function value

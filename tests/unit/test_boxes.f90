@@ -77,7 +77,7 @@ contains
       volume = volume + product(hi - lo + 1)
     end do
     call expect_root(.not. comm%any_of(.not. right .or. volume /= product(n)), 'boxes of '//name//' hold all cells once')
-    call expect_root(comm%max(mine) <= 1.5*product(n)/comm%size, 'boxes of '//name//' are of one size')
+    call expect_root(comm%max(mine) <= 1.5_wp*product(n)/comm%size, 'boxes of '//name//' are of one size')
   end subroutine cover
 
   subroutine expect_root(ok, name)

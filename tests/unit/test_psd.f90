@@ -112,7 +112,7 @@ contains
     call expect_close(mean(1), 492.7767641887_wp*um, 1.0e-10_wp, 'glass beads: number mean')
     call expect_close(mean(2), 566.8808720873_wp*um, 1.0e-10_wp, 'glass beads: mass mean')
     call expect_close(mean(3), 542.9633825822_wp*um, 1.0e-10_wp, 'glass beads: Sauter mean')
-    call expect_close(mean(4), 1552.6*um, 3.0e-5_wp, 'glass beads: diameter of equal parcels for W = 27')
+    call expect_close(mean(4), 1552.6_wp*um, 3.0e-5_wp, 'glass beads: diameter of equal parcels for W = 27')
     by_mass = sizes%weighted_by(3.0_wp)
     call expect(abs(by_mass%at(0.0_wp) - 250*um) <= 1.0e-18_wp .and. abs(by_mass%at(1.0_wp) - 800*um) <= 1.0e-18_wp, &
                 'quantiles 0 and 1 are the limits')

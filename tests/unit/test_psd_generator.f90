@@ -170,7 +170,7 @@ contains
     type(size_audit_t), allocatable :: audits(:)
     type(outcome_t) :: outcome
     integer :: unit, lines, status
-    character(len=80) :: line
+    character(len=80) :: line, message
 
     powders = [beads('log_normal'), beads('single')]
     powders(2)%id = 'lead'
@@ -192,11 +192,11 @@ contains
     call expect_close(audits(2)%made%values(1), 200.0_wp, 1.0e-14_wp, 'audit of the second: real particles made')
     call expect_close(audits(2)%asked%values(2), 200*11340*pi/6*(500*um)**3, 1.0e-12_wp, 'audit of the second: mass asked')
     call expect_close(audits(1)%made%values(5), audits(1)%asked%values(5), 1.0e-3_wp, 'audit of the first: Sauter mean')
-    open (newunit=unit, status='scratch')
+    open (newunit=unit, status='scratch', action='readwrite')
     call write_audit(unit, audits(1))
     rewind (unit)
     do lines = 0, 100
-      read (unit, '(a)', iostat=status) line
+      read (unit, '(a)', iostat=status, iomsg=message) line
       if (status /= 0) exit
       if (index(line, 'Sauter') > 0) call expect(index(line, 'um') > 0 .and. index(line, '542.963') > 0, &
                                                  'the table of the audit: '//trim(adjustl(line)))

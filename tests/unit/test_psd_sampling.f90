@@ -15,7 +15,7 @@ program test_psd_sampling
   type(weighting_t) :: weightings(4)
   character(len=*), parameter :: names(4) = [character(len=16) :: 'SSW', 'SSP', 'theta = 0.5', 'theta = 0.3']
 
-  weightings = [weighting_t(27.0_wp, 1.0_wp, 0.0_wp), weighting_t(1.0_wp, 1552.6*um, 1.0_wp), &
+  weightings = [weighting_t(27.0_wp, 1.0_wp, 0.0_wp), weighting_t(1.0_wp, 1552.6_wp*um, 1.0_wp), &
                 weighting_t(27.0_wp, 500*um, 0.5_wp), weighting_t(27.0_wp, 500*um, 0.3_wp)]
   call audit_by_hand()
   call audit_of_powder()
@@ -135,7 +135,7 @@ contains
       end do
     end do
     each = mean_parcel_mass(sizes, weightings(2), 2500.0_wp)
-    call expect_close(each, 2500.0_wp*pi/6*(1552.6*um)**3, 1.0e-12_wp, 'an SSP parcel weighs what its sphere weighs')
+    call expect_close(each, 2500.0_wp*pi/6*(1552.6_wp*um)**3, 1.0e-12_wp, 'an SSP parcel weighs what its sphere weighs')
     each = mean_parcel_mass(sizes, weightings(1), 2500.0_wp)
     call expect_close(each, 27*2500.0_wp*pi/6*138615681.788_wp*um**3, 1.0e-10_wp, 'a mean SSW parcel weighs W mean particles')
   end subroutine mass_to_half_a_parcel

@@ -3,7 +3,8 @@
 !> Patankar and Spalding, Int. J. Heat Mass Transfer 15 (1972) 1787, in the SIMPLEC form, which needs no
 !> under-relaxation: momentum predicts velocities, the pressure correction makes them conserve mass, and what that
 !> does to momentum is seen at the start of the next iteration, where the step ends when it is small enough.
-module simple
+module simple_step
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use gas_state, only: gas_state_t, gas_report_t, unit_step
   use kinds, only: wp
   use momentum, only: prepare_momentum, assemble_momentum
@@ -166,7 +167,6 @@ contains
 
   !> Does not raise a floating-point exception, as comparisons by size would.
   pure function is_not_a_number(x)
-    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
     real(wp), intent(in) :: x
     logical :: is_not_a_number
 
@@ -231,4 +231,4 @@ contains
     end associate
   end subroutine report_flows
 
-end module simple
+end module simple_step
