@@ -175,12 +175,17 @@ def draw(run, summary, path):
 
 
 def draw_instants(figure, place, run, chosen, top):
-    """Parcels coloured by the size of their particles, the void fraction beside them."""
+    """Parcels of the middle of the vessel, one cell deep, coloured by the size of their particles; the void fraction
+    there beside them."""
     parcels, gas = run.parcels, run.gas
+    middle, half = (gas.lower[2] + gas.upper[2]) / 2, gas.h[2] / 2
+    layers = abs(gas.centres(2) - middle) < 1.01 * half
     axes = figure.add_subfigure(place).subplots(1, 2 * len(chosen), sharey=True)
     for pair, step in zip(axes.reshape(-1, 2), chosen):
         data = parcels(step)
-        order = np.argsort(data["position"][:, 2])
+        depth = data["position"][:, 2]
+        order = np.argsort(depth)
+        order = order[abs(depth[order] - middle) < half]
         x, d, w = data["position"][order], data["diameter"][order], data["weight"][order]
         across = d * np.cbrt(w) * 1e3
         dots = EllipseCollection(across, across, np.zeros_like(across), units="xy", offsets=x[:, :2] * 1e3,
@@ -189,7 +194,7 @@ def draw_instants(figure, place, run, chosen, top):
         pair[0].add_collection(dots)
         near = int(np.argmin(abs(gas.times - parcels.times[step])))
         extent = [gas.lower[0] * 1e3, gas.upper[0] * 1e3, gas.lower[1] * 1e3, gas.upper[1] * 1e3]
-        image = pair[1].imshow(gas("void_fraction", near).mean(axis=0), origin="lower", extent=extent,
+        image = pair[1].imshow(gas("void_fraction", near)[layers].mean(axis=0), origin="lower", extent=extent,
                                cmap="magma", vmin=0.4, vmax=1, interpolation="nearest")
         pair[0].set_title(f"t = {parcels.times[step]:.2f} s", fontsize=10)
         for ax in pair:

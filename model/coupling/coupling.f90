@@ -353,8 +353,7 @@ contains
     end do
   end subroutine drive_block
 
-  !> Compare what the parcels got with what the gas lost. Along a direction one cell thick between walls the gas has
-  !> no velocity and its walls take the force, so that direction is left out.
+  !> Compare what the parcels got with what the gas lost.
   subroutine record_exchange(self, gas, sums)
     class(coupling_t), intent(inout) :: self
     type(gas_t), intent(in) :: gas
@@ -364,7 +363,6 @@ contains
 
     total = self%comm%sum(sums)
     gap = total(1:3) + gas%drag_total()
-    where (self%mesh%n == 1 .and. .not. self%mesh%periodic) gap = 0.0_wp
     self%exchange%drag = total(1:3)
     self%exchange%momentum_residual = 0.0_wp
     if (total(4) > 0.0_wp) self%exchange%momentum_residual = sqrt(sum(gap**2))/total(4)

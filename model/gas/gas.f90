@@ -123,27 +123,27 @@ contains
     end do
   end subroutine cell_pressure_gradient
 
-  !> Force of the drag on the gas in the last step, over all ranks, face by face as momentum has it [N]. What falls on
+  !> Force of the drag on the gas, over all ranks, half of each cell's on each of its two faces [N]. What falls on
   !> faces whose velocity is given is borne by the boundary.
   function drag_total(self) result(force)
     class(gas_t), intent(in) :: self
     real(wp) :: force(3)
 
-    integer :: a, i, j, k, e(3), lo(3)
+    integer :: a, i, j, k, e(3)
 
     force = 0.0_wp
     do a = 1, 3
       e = unit_step(a)
-      lo = self%first(:, a)
-      associate (n => self%boxes%n, coefficient => self%forces(:, :, :, 1), source => self%forces(:, :, :, 1 + a))
-        do k = lo(3), n(3)
-          do j = lo(2), n(2)
-            do i = lo(1), n(1)
-              force(a) = force(a) + 0.5_wp*(drag_of([i, j, k]) + drag_of([i, j, k] + e))
-            end do
+      do k = 1, self%boxes%n(3)
+        do j = 1, self%boxes%n(2)
+          do i = 1, self%boxes%n(1)
+            associate (source => self%drag_source(a, i, j, k), coefficient => self%drag(i, j, k))
+              force(a) = force(a) + 0.5_wp*(source - coefficient*self%velocity(i - e(1), j - e(2), k - e(3), a)) &
+                                  + 0.5_wp*(source - coefficient*self%velocity(i, j, k, a))
+            end associate
           end do
         end do
-      end associate
+      end do
     end do
     force = self%boxes%comm%sum(force)
   end function drag_total

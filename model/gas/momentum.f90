@@ -38,15 +38,16 @@ contains
     end do
   end subroutine prepare_momentum
 
-  !> Inertia and drag of each face. A cell gives half of its drag to each of its free faces across a, or all of it to
-  !> the only one. Given faces keep their velocity, in a row of the size of the others.
+  !> Inertia and drag of each face. A cell gives half of its drag to each of its two faces across a; what falls on a
+  !> given face is borne by the boundary, as the drag of the half cell between it and the first pressure must be.
+  !> Given faces keep their velocity, in a row of the size of the others.
   subroutine set_fixed(state, a, dt)
     class(gas_state_t), intent(inout) :: state
     integer, intent(in) :: a
     real(wp), intent(in) :: dt
 
     integer :: i, j, k, e(3), x, y, z
-    real(wp) :: mass, inertia, weight, below, above
+    real(wp) :: mass, inertia, weight
 
     e = unit_step(a)
     mass = state%density*state%mesh%volume
@@ -57,15 +58,13 @@ contains
           y = j + e(2)
           do i = first(1), n(1)
             x = i + e(1)
-            below = 1 - 0.5_wp*free(i - e(1), j - e(2), k - e(3), a)
-            above = 1 - 0.5_wp*free(x, y, z, a)
             inertia = 0.5_wp*mass/dt*(state%eps_old(i, j, k) + state%eps_old(x, y, z))
             weight = 0.5_wp*mass*state%gravity(a)*(state%eps(i, j, k) + state%eps(x, y, z))
-            state%fixed(i, j, k, a) = free(i, j, k, a)*(inertia + below*forces(i, j, k, 1) + above*forces(x, y, z, 1)) &
+            state%fixed(i, j, k, a) = free(i, j, k, a)*(inertia + 0.5_wp*(forces(i, j, k, 1) + forces(x, y, z, 1))) &
               + (1 - free(i, j, k, a))*mass/dt
             state%source(i, j, k, a) = &
               free(i, j, k, a)*(inertia*state%velocity_before(i, j, k, a) + weight &
-                                + below*forces(i, j, k, 1 + a) + above*forces(x, y, z, 1 + a)) &
+                                + 0.5_wp*(forces(i, j, k, 1 + a) + forces(x, y, z, 1 + a))) &
               + (1 - free(i, j, k, a))*mass/dt*state%velocity(i, j, k, a)
           end do
         end do

@@ -5,7 +5,7 @@ module case_description
   use kinds, only: wp
   use outcome, only: outcome_t
   use parcel_plan, only: parcel_plan_t, new_parcel_plan
-  use text, only: shown
+  use text, only: brief, shown
   implicit none
   private
   public :: describe_case
@@ -217,19 +217,6 @@ contains
     words = brief(x(1))
     if (brief(x(2)) /= words) words = words//' to '//brief(x(2))
   end function range_of
-
-  !> Five digits are enough to read.
-  pure function brief(x) result(words)
-    real(wp), intent(in) :: x
-    character(len=:), allocatable :: words
-
-    character(len=16) :: buffer
-    real(wp) :: rounded
-
-    write (buffer, '(es12.4)') x
-    read (buffer, *) rounded
-    words = shown(rounded)
-  end function brief
 
   subroutine line(unit, head, words)
     integer, intent(in) :: unit

@@ -21,7 +21,7 @@ module scene
   use mesh, only: mesh_t, new_mesh
   use outcome, only: outcome_t, exit_failed
   use solids, only: solids_t
-  use text, only: shown
+  use text, only: brief, shown
   use timing, only: stopwatch_t
   implicit none
   private
@@ -282,12 +282,31 @@ contains
     character(len=:), allocatable :: message
 
     associate (r => self%gas%report, n => self%gas%numerics)
-      message = 'the gas did not converge at t = '//shown(self%time)//' s, even in steps of '//shown(self%report%dt) &
-        //' s: after '//shown(r%iterations)//' iterations the mass residual is '//shown(r%mass_residual)//' (tolerance ' &
-        //shown(n%tolerance)//') and the momentum residual '//shown(r%momentum_residual)//' (velocity_tolerance ' &
-        //shown(n%velocity_tolerance)//'); the least void fraction is '//shown(minval(self%gas%eps_old, self%gas%eps_old > 0)) &
+      message = 'the gas did not converge at t = '//brief(self%time)//' s, even in steps of '//brief(self%report%dt) &
+        //' s: after '//shown(r%iterations)//' iterations the mass residual is '//brief(r%mass_residual)//' (tolerance ' &
+        //shown(n%tolerance)//') and the momentum residual '//brief(r%momentum_residual)//' (velocity_tolerance ' &
+        //shown(n%velocity_tolerance)//'), largest at '//worst_place(self) &
         //'. Try a shorter time_step, more maximum_iterations, limiter = ''upwind'' or coarser cells'
     end associate
   end function no_convergence
+
+  !> Where the gas mass is out of balance most, and the void fraction there. All ranks take part.
+  function worst_place(self) result(words)
+    class(scene_t), intent(in) :: self
+    character(len=:), allocatable :: words
+
+    real(wp) :: largest, facts(4)
+    integer :: cell(3)
+
+    largest = maxval(abs(self%gas%imbalance))
+    facts = -huge(1.0_wp)
+    if (largest >= self%comm%max(largest)) then
+      cell = maxloc(abs(self%gas%imbalance))
+      facts(1:3) = self%mesh%lower + self%mesh%h*(self%boxes%lo + cell - 1.5_wp)
+      facts(4) = self%gas%eps(cell(1), cell(2), cell(3))
+    end if
+    facts = self%comm%max(facts)
+    words = '('//brief(facts(1))//', '//brief(facts(2))//', '//brief(facts(3))//') m, where the void fraction is '//brief(facts(4))
+  end function worst_place
 
 end module scene

@@ -21,7 +21,7 @@ module simulation
   use size_audit, only: size_audit_t, write_audit
   use solids_statistics, only: find_statistics
   use stop_request, only: stop_request_t
-  use text, only: shown
+  use text, only: brief, shown
   use version, only: program_version, git_commit
   use vessel, only: vessel_t
   implicit none
@@ -215,7 +215,7 @@ contains
 
     if (outcome%failed()) return
     if (.not. self%stop%is_made(self%comm)) return
-    call outcome%fail(exit_stopped, 'stopped by '//self%stop%reason()//' at t = '//shown(self%scene%time) &
+    call outcome%fail(exit_stopped, 'stopped by '//self%stop%reason()//' at t = '//brief(self%scene%time) &
                       //' s; go on with --restart '//restart_name(self))
   end subroutine look_for_stop
 
@@ -243,7 +243,7 @@ contains
                            //self%case%file)
     if (len_trim(self%case%run%title) > 0) call self%progress%say('  '//trim(self%case%run%title))
     if (len(self%orders%restart) > 0) then
-      call self%progress%say('  continues '//self%orders%restart//' at t = '//shown(self%scene%time)//' s')
+      call self%progress%say('  continues '//self%orders%restart//' at t = '//brief(self%scene%time)//' s')
     end if
     if (allocated(self%audits)) then
       do i = 1, size(self%audits)
@@ -251,8 +251,8 @@ contains
       end do
     end if
     if (self%scene%with_parcels) call self%progress%say( &
-      'solids step at most '//shown(self%scene%solids%time_step_limit())//' s, gas step at most ' &
-      //shown(self%scene%longest_step)//' s')
+      'solids step at most '//brief(self%scene%solids%time_step_limit())//' s, gas step at most ' &
+      //brief(self%scene%longest_step)//' s')
   end subroutine introduce
 
   !> Books and bill.

@@ -4,7 +4,7 @@ module text
   use kinds, only: wp, i8
   implicit none
   private
-  public :: word_length, line_length, string_t, shown, quoted, lower_case, split, nearest_name, starts_with, &
+  public :: brief, word_length, line_length, string_t, shown, quoted, lower_case, split, nearest_name, starts_with, &
     path_from
 
   integer, parameter :: word_length = 32   !< longest id, name or choice in a case file
@@ -43,6 +43,19 @@ contains
     end do
     text = plain(trim(adjustl(buffer)))
   end function shown_real
+
+  !> A number for the eye: five figures.
+  pure function brief(x) result(words)
+    real(wp), intent(in) :: x
+    character(len=:), allocatable :: words
+
+    character(len=16) :: buffer
+    real(wp) :: rounded
+
+    write (buffer, '(es12.4)') x
+    read (buffer, *) rounded
+    words = shown_real(rounded)
+  end function brief
 
   !> '1.25E-003' as 0.00125, but very large and very small numbers as 1.25e-7.
   pure function plain(scientific) result(text)
