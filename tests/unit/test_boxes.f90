@@ -3,6 +3,7 @@ program test_boxes
   use boxes, only: boxes_t, new_boxes
   use check, only: expect, finish
   use communicator, only: communicator_t, start_ranks, stop_ranks
+  use kinds, only: wp
   use outcome, only: outcome_t, exit_input
   implicit none
 

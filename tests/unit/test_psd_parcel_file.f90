@@ -1,4 +1,5 @@
 !> Parcels read from .csv and .h5 files: values, weights, mistakes with their line.
+!> ranks: 1
 program test_psd_parcel_file
   use check, only: expect, expect_close, finish
   use cloud, only: cloud_t
