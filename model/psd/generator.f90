@@ -16,7 +16,7 @@ module generator
   use size_audit, only: size_audit_t, summary_asked, summary_made
   use size_distribution, only: size_distribution_t, new_size_distribution
   use sphere_pairs, only: spheres_t, pairs_t, find_pairs
-  use text, only: shown
+  use text, only: brief, shown
   use vessel, only: vessel_t
   use weighting, only: weighting_t, new_weighting, sphere_volume
   implicit none
@@ -98,7 +98,7 @@ contains
     parcels%contact_diameter(:) = weighting%collision_diameter(parcels%diameter)
     parcels%velocity(:, :) = spread(fill%velocity, 2, parcels%n)
     if (minval(parcels%weight) < 1.0_wp - tolerance) call outcome%fail(exit_input, '&parcels: '// &
-      "a parcel of powder '"//trim(powder%id)//"' would hold less than one particle, "//short(minval(parcels%weight))// &
+      "a parcel of powder '"//trim(powder%id)//"' would hold less than one particle, "//brief(minval(parcels%weight))// &
       '; make weight or diameter larger')
   end subroutine draw
 
@@ -109,8 +109,8 @@ contains
     type(outcome_t), intent(inout) :: outcome
 
     if (number < 0.5_wp) call outcome%fail(exit_input, label(fill)//': its mass is less than half a parcel, '// &
-                                           short(number)//'; a mean parcel weighs '//short(fill%mass/number)//' kg')
-    if (number > 0.1_wp*huge(1)) call outcome%fail(exit_input, label(fill)//': would be '//short(number)// &
+                                           brief(number)//'; a mean parcel weighs '//brief(fill%mass/number)//' kg')
+    if (number > 0.1_wp*huge(1)) call outcome%fail(exit_input, label(fill)//': would be '//brief(number)// &
                                                   ' parcels; give them a larger weight or diameter')
   end subroutine check_number
 
@@ -182,8 +182,8 @@ contains
       call outcome%fail(exit_input, label(fill)//': its box reaches out of the domain')
     end if
     if (any(box%upper - box%lower < widest*(1.0_wp - tolerance))) then
-      call outcome%fail(exit_input, label(fill)//': its widest parcel, '//short(widest)//' m, is wider than its box, '// &
-                        short(minval(box%upper - box%lower))//' m')
+      call outcome%fail(exit_input, label(fill)//': its widest parcel, '//brief(widest)//' m, is wider than its box, '// &
+                        brief(minval(box%upper - box%lower))//' m')
     end if
   end subroutine check_room
 
@@ -223,10 +223,10 @@ contains
     mass = cloud%density*sphere_volume(cloud%diameter)*cloud%weight
     fraction = [sum(sphere_volume(cloud%contact_diameter), mine), &
                 sum(sphere_volume(cloud%contact_diameter), mine .and. placed)]/product(fill%upper - fill%lower)
-    call outcome%fail(exit_input, label(fill)//': '//shown(count(mine))//' parcels, '//short(sum(mass, mine))// &
-      ' kg, do not fit into its box without overlap (solids fraction '//short(fraction(1))//'); '// &
-      shown(count(mine .and. placed))//' parcels, '//short(sum(mass, mine .and. placed))//' kg, do (solids fraction '// &
-      short(fraction(2))//'). Give a larger box or less mass')
+    call outcome%fail(exit_input, label(fill)//': '//shown(count(mine))//' parcels, '//brief(sum(mass, mine))// &
+      ' kg, do not fit into its box without overlap (solids fraction '//brief(fraction(1))//'); '// &
+      shown(count(mine .and. placed))//' parcels, '//brief(sum(mass, mine .and. placed))//' kg, do (solids fraction '// &
+      brief(fraction(2))//'). Give a larger box or less mass')
   end subroutine report_left_out
 
   !> Compare what was asked of each powder with what the parcels carry.
@@ -268,18 +268,5 @@ contains
 
     name = '&fill('//trim(fill%id)//')'
   end function label
-
-  !> A number to four figures.
-  pure function short(x) result(text)
-    real(wp), intent(in) :: x
-    character(len=:), allocatable :: text
-
-    character(len=12) :: buffer
-    real(wp) :: rounded
-
-    write (buffer, '(es12.3)') x
-    read (buffer, *) rounded
-    text = shown(rounded)
-  end function short
 
 end module generator

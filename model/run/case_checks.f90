@@ -7,7 +7,7 @@ module case_checks
   use kinds, only: wp
   use outcome, only: outcome_t
   use parcel_plan, only: parcel_plan_t, new_parcel_plan
-  use text, only: shown
+  use text, only: brief, shown
   implicit none
   private
   public :: check_case
@@ -185,13 +185,13 @@ contains
     if (case%parcels%weighting == 'ssp') key = 'diameter'
     if (case%parcels%weighting == 'ssw') key = 'weight'
     largest = plan%diameter(2)
-    size_text = shown_short(largest)//' m wide'
+    size_text = brief(largest)//' m wide'
     width = case%domain%upper - case%domain%lower
     call keys%require_at(plan%mean_weight > 1 - closeness, 'parcels', 1, key, &
                          'parcels of &fill('//trim(case%fills(i)%id)//') hold less than one particle, ' &
-                         //shown_short(plan%mean_weight)//' on average')
+                         //brief(plan%mean_weight)//' on average')
     call keys%require_at(all(largest <= width), 'parcels', 1, key, &
-                         'parcels are up to '//size_text//', wider than the domain: '//shown_short(minval(width))//' m')
+                         'parcels are up to '//size_text//', wider than the domain: '//brief(minval(width))//' m')
     if (any(largest > width)) return
     associate (fill => case%fills(i))
       if (has_box(fill%lower, fill%upper)) call keys%require_at(all(largest <= fill%upper - fill%lower), 'fill', i, '', &
@@ -200,7 +200,7 @@ contains
     if (any(case%domain%cells == 0)) return
     width = width/case%domain%cells
     call keys%require_at(all(largest <= width), 'grid', 1, 'cells', 'parcels of &fill('//trim(case%fills(i)%id) &
-                         //') are up to '//size_text//', wider than a cell: '//shown_short(minval(width))//' m')
+                         //') are up to '//size_text//', wider than a cell: '//brief(minval(width))//' m')
   end subroutine check_sizes
 
   !> A box, with the other fills that lie in it, is not fuller than spheres can be packed.
@@ -223,7 +223,7 @@ contains
       key = 'number'
       if (is_set(box%mass)) key = 'mass'
     end associate
-    call keys%require_at(fraction <= fullest, 'fill', i, key, 'does not fit: solids would fill '//shown_short(fraction) &
+    call keys%require_at(fraction <= fullest, 'fill', i, key, 'does not fit: solids would fill '//brief(fraction) &
                          //' of the box, and at most '//shown(fullest)//' can be packed')
   end subroutine check_room
 
@@ -245,18 +245,5 @@ contains
     near = closeness*(case%domain%upper - case%domain%lower)
     inside = all(lower >= case%domain%lower - near) .and. all(upper <= case%domain%upper + near)
   end function is_inside
-
-  !> To four digits.
-  pure function shown_short(x) result(text)
-    real(wp), intent(in) :: x
-    character(len=:), allocatable :: text
-
-    character(len=16) :: buffer
-    real(wp) :: rounded
-
-    write (buffer, '(es12.3)') x
-    read (buffer, *) rounded
-    text = shown(rounded)
-  end function shown_short
 
 end module case_checks

@@ -44,7 +44,7 @@ contains
     text = plain(trim(adjustl(buffer)))
   end function shown_real
 
-  !> A number for the eye: five figures.
+  !> A number for the eye: four figures.
   pure function brief(x) result(words)
     real(wp), intent(in) :: x
     character(len=:), allocatable :: words
@@ -52,7 +52,7 @@ contains
     character(len=16) :: buffer
     real(wp) :: rounded
 
-    write (buffer, '(es12.4)') x
+    write (buffer, '(es12.3)') x
     read (buffer, *) rounded
     words = shown_real(rounded)
   end function brief
