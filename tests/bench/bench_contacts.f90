@@ -164,6 +164,9 @@ contains
       making(2)/n/made*1e6_wp, ' by processor time'
     print '(a,2(f7.3,a))', 'with lists ', n*1e-6_wp*made*block/(stepping(1) + making(1)), ' M parcel-steps/s, ', &
       n*1e-6_wp*made*block/(stepping(2) + making(2)), ' by processor time'
+    print '(a,es12.4,a)', 'bench contacts_rate ', n*made*block/(stepping(1) + making(1)), ' parcel-steps/s'
+    print '(a,es12.4,a)', 'bench contacts_list ', making(1)/n/made*1e6_wp, ' us/parcel'
+    print '(a,es12.4,a)', 'bench contacts_memory ', real(bytes(bed), wp)/bed%parcels%n, ' bytes/parcel'
   end subroutine time_loop
 
   !> Time on the wall and of the processor [s].

@@ -74,6 +74,9 @@ program bench_gas
       1.0e6_wp*seconds/(iterations*product(real(cells, wp))), '  iterations per step ', iterations/real(steps - 2, wp), &
       '  sweeps ', sweeps/real(steps - 2, wp), '  pressure ', pressure_iterations/real(steps - 2, wp), &
       '  ms per step ', 1.0e3_wp*seconds/(steps - 2), '  worst imbalance ', worst
+    print '(a,es12.4,a)', 'bench gas_cell_iteration ', 1.0e6_wp*seconds/(iterations*product(real(cells, wp))), ' us'
+    print '(a,es12.4,a)', 'bench gas_step ', 1.0e3_wp*seconds/(steps - 2), ' ms'
+    print '(a,es12.4,a)', 'bench gas_iterations ', iterations/real(steps - 2, wp), ' 1'
   end if
   call gas%destroy()
   call stop_ranks()

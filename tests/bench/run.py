@@ -2,8 +2,8 @@
 
 usage: run.py build/release build/bench.json
 
-A program prints lines 'bench NAME VALUE UNIT'; all it prints is kept as well. A comment
-'! ranks: 1 2' among its first lines asks for those numbers of ranks instead of one.
+A program prints lines 'bench NAME VALUE UNIT', kept as {NAME: {"value": VALUE, "unit": UNIT}}. A comment
+'! ranks: 1 2' among its first lines asks for those numbers of ranks instead of one; then NAME ends in _RANKS.
 """
 
 import json
@@ -38,15 +38,17 @@ def measure(program, ranks):
         sys.exit(f"{program.name} on {ranks} ranks: exit {done.returncode}\n{done.stdout}{done.stderr}")
     print(f"{program.name} on {ranks} ranks\n{done.stdout}", flush=True)
     words = [line.split() for line in done.stdout.splitlines()]
-    measured = {w[1]: {"value": float(w[2]), "unit": w[3]} for w in words if len(w) == 4 and w[0] == "bench"}
-    return {"program": program.name, "ranks": ranks, "measured": measured, "printed": done.stdout.splitlines()}
+    end = f"_{ranks}" if ranks > 1 else ""
+    return {w[1] + end: {"value": float(w[2]), "unit": w[3]} for w in words if len(w) == 4 and w[0] == "bench"}
 
 
 def main(build, result):
-    sources = sorted((ROOT / "tests/bench").glob("bench_*.f90"))
-    runs = [measure(ROOT / build / "tests/bench" / source.stem, ranks) for source in sources for ranks in ranks_of(source)]
-    machine = {"processor": processor(), "cores": os.cpu_count()}
-    Path(result).write_text(json.dumps({"machine": machine, "runs": runs}, indent=1) + "\n")
+    measured = {}
+    for source in sorted((ROOT / "tests/bench").glob("bench_*.f90")):
+        for ranks in ranks_of(source):
+            measured |= measure(ROOT / build / "tests/bench" / source.stem, ranks)
+    Path(result).write_text(json.dumps(measured, indent=1) + "\n")
+    print(f"{processor()}, {os.cpu_count()} cores")
     print(f"written to {result}")
 
 
