@@ -5,10 +5,9 @@ import sys
 import numpy as np
 import pytest
 
-from conftest import ROOT, program
+from conftest import ROOT
 
-sys.path[:0] = [str(ROOT / "cases"), str(ROOT / "cases/minimum_fluidization")]
-import validate  # noqa: E402
+sys.path.insert(0, str(ROOT / "cases"))
 from results import Run  # noqa: E402
 
 DENSITY, VISCOSITY, GRAVITY = 1.2, 1.8e-5, 9.81
