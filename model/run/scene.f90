@@ -56,6 +56,7 @@ module scene
     integer :: good_steps = 0           !< without a retry, in a row
     real(wp) :: unseen = 0              !< time the parcels have moved without the gas seeing it [s]
     logical :: begun = .false.          !< whether the gas has met the parcels
+    logical :: astray = .false.         !< whether a step has failed after the parcels had begun to move
     type(step_report_t) :: report
     type(stopwatch_t) :: watch
     real(wp), allocatable :: mapped(:,:,:)  !< void fraction of the parcels where they are (n1,n2,n3)
@@ -274,6 +275,7 @@ contains
     self%report%solids_steps = max(1, ceiling(self%report%dt/self%solids%time_step_limit()))
     call self%solids%advance(self%report%solids_steps, self%report%dt/self%report%solids_steps, outcome)
     if (.not. outcome%failed()) call self%solids%rebalance(changed, outcome)
+    self%astray = outcome%failed()
     call self%watch%leave()
   end subroutine advance_parcels
 

@@ -199,7 +199,8 @@ contains
     call self%scene%watch%enter(part_output)
     if (outcome%failed() .and. outcome%code /= exit_stopped) then
       call self%results%write_all(self%scene, self%ledger, self%scene%watch%seconds(), writing)
-      call write_checkpoint(self%orders%folder//'/failed.h5', self%scene, self%ledger, self%origin, writing)
+      call write_checkpoint(failed_name(self), self%scene, self%ledger, self%origin, writing)
+      if (.not. writing%failed()) outcome%message = outcome%message//what_failed_holds(self)
     else
       call write_checkpoint(restart_name(self), self%scene, self%ledger, self%origin, writing)
     end if
@@ -278,6 +279,25 @@ contains
     if (self%comm%is_root()) print '(2a)', 'results in ', self%orders%folder
     if (self%scene%with_gas) call self%scene%gas%destroy()
   end subroutine finish
+
+  !> What may be done with the state that is written after a failure.
+  pure function what_failed_holds(self) result(words)
+    class(simulation_t), intent(in) :: self
+    character(len=:), allocatable :: words
+
+    if (self%scene%astray) then
+      words = '; '//failed_name(self)//' shows the parcels as they are, but cannot be continued: a restart file from before can'
+    else
+      words = '; the last good state is in '//failed_name(self)//': change the case and go on with --restart'
+    end if
+  end function what_failed_holds
+
+  pure function failed_name(self) result(name)
+    class(simulation_t), intent(in) :: self
+    character(len=:), allocatable :: name
+
+    name = self%orders%folder//'/failed.h5'
+  end function failed_name
 
   pure function restart_name(self) result(name)
     class(simulation_t), intent(in) :: self
