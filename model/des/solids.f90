@@ -30,6 +30,7 @@ module solids
 
   real(wp), parameter :: automatic_skin = 0.25_wp    !< skin over the diameter of a parcel
   real(wp), parameter :: tolerated_imbalance = 1.1_wp  !< largest load over the mean before tiles change hands
+  real(wp), parameter :: farthest_step = 0.1_wp      !< way of a parcel in one step, over the smallest radius
   real(wp), parameter :: entry_work = 0.3_wp         !< work of a listed pair over that of a parcel by itself
 
   type :: solids_t
@@ -63,6 +64,7 @@ module solids
     procedure :: create
     procedure :: add
     procedure :: time_step_limit
+    procedure :: next_step_limit
     procedure :: advance
     procedure :: rebalance
     procedure :: set_reach
@@ -192,6 +194,22 @@ contains
                self%wall_law%contact_time(self%smallest_mass))/self%numerics%steps_per_collision
     end if
   end function time_step_limit
+
+  !> The longest solids step from now on: that of the shortest collision, or less where a parcel would enter another by
+  !> more than a part of the smallest radius before a contact is seen. All ranks take part [s].
+  function next_step_limit(self) result(dt)
+    class(solids_t), intent(in) :: self
+    real(wp) :: dt
+
+    real(wp) :: square
+    integer :: i
+
+    square = 0.0_wp
+    do i = 1, self%parcels%n
+      square = max(square, sum(self%parcels%state(5:7, i)**2))
+    end do
+    dt = min(self%time_step_limit(), farthest_step*self%smallest_radius/max(sqrt(self%comm%max(square)), tiny(dt)))
+  end function next_step_limit
 
   !> Go on by `steps` steps of `dt`. All ranks take part and agree on the outcome.
   subroutine advance(self, steps, dt, outcome)

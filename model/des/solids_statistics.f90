@@ -6,11 +6,14 @@ module solids_statistics
   use solids, only: solids_t
   implicit none
   private
-  public :: statistics_t, find_statistics
+  public :: statistics_t, find_statistics, deep
+
+  real(wp), parameter :: deep(3) = [0.01_wp, 0.05_wp, 0.1_wp]  !< overlaps over the smaller radius that are counted [-]
 
   type :: statistics_t
     real(wp) :: max_overlap = 0.0_wp     !< largest overlap over the smaller radius, walls included [-]
     real(wp) :: mean_overlap = 0.0_wp    !< mean over all contacts of parcels, of the same ratio [-]
+    real(wp) :: beyond(size(deep)) = 0.0_wp  !< shares of all contacts, walls included, that are so deep [-]
     real(wp) :: kinetic_energy = 0.0_wp  !< of parcels, translation and rotation [J]
     integer(i8) :: contacts = 0          !< between parcels
     integer(i8) :: wall_contacts = 0
@@ -29,17 +32,18 @@ contains
     type(solids_t), intent(in) :: solids
     type(statistics_t) :: s
 
-    real(wp) :: sums(6), largest, mass
+    real(wp) :: sums(6 + size(deep)), largest, mass
 
     sums = 0.0_wp
-    call add_pairs(solids%parcels, solids%list, sums(1), sums(2), largest)
-    call add_walls(solids, sums(3), largest)
+    call add_pairs(solids%parcels, solids%list, sums(1), sums(2), sums(7:), largest)
+    call add_walls(solids, sums(3), sums(7:), largest)
     call add_parcels(solids%parcels, sums(4), mass)
     sums(5) = mass
     sums(6) = solids%parcels%n
     sums = solids%comm%sum(sums)
     s%max_overlap = solids%comm%max(largest)
     s%mean_overlap = sums(1)/max(sums(2), 1.0_wp)
+    s%beyond = sums(7:)/max(sums(2) + sums(3), 1.0_wp)
     s%contacts = nint(sums(2), i8)
     s%wall_contacts = nint(sums(3), i8)
     s%kinetic_energy = sums(4)
@@ -52,11 +56,12 @@ contains
   end function find_statistics
 
   !> Overlaps of listed pairs; a pair with a ghost is seen from both sides and counts half on each.
-  pure subroutine add_pairs(parcels, list, overlaps, contacts, largest)
+  pure subroutine add_pairs(parcels, list, overlaps, contacts, beyond, largest)
     type(parcels_t), intent(in) :: parcels
     type(contact_list_t), intent(in) :: list
     real(wp), intent(out) :: overlaps   !< sum of overlap over the smaller radius [-]
     real(wp), intent(out) :: contacts
+    real(wp), intent(inout) :: beyond(:)  !< contacts so deep, see `deep`
     real(wp), intent(out) :: largest    !< [-]
 
     real(wp) :: overlap, share
@@ -76,15 +81,17 @@ contains
         share = merge(1.0_wp, 0.5_wp, j <= parcels%n)
         overlaps = overlaps + share*overlap
         contacts = contacts + share
+        where (overlap > deep) beyond = beyond + share
         largest = max(largest, overlap)
       end do
     end do
   end subroutine add_pairs
 
-  pure subroutine add_walls(solids, contacts, largest)
+  pure subroutine add_walls(solids, contacts, beyond, largest)
     type(solids_t), intent(in) :: solids
     real(wp), intent(out) :: contacts
-    real(wp), intent(inout) :: largest  !< [-]
+    real(wp), intent(inout) :: beyond(:)  !< contacts so deep, see `deep`
+    real(wp), intent(inout) :: largest    !< [-]
 
     real(wp) :: overlap
     integer :: w
@@ -95,6 +102,7 @@ contains
         overlap = 1 - solids%chamber%distance(solids%walls%face(w), s(1:3))/s(4)
         if (overlap <= 0.0_wp) cycle
         contacts = contacts + 1
+        where (overlap > deep) beyond = beyond + 1
         largest = max(largest, overlap)
       end associate
     end do

@@ -158,7 +158,8 @@ contains
     step = shortest/case%des%steps_per_collision
     step = case%gas_numerics%time_step/ceiling(case%gas_numerics%time_step/step)
     call line(unit, 'solids steps', brief(case%run%end_time/step)//' of '//brief(step)//' s, '// &
-              shown(case%des%steps_per_collision)//' or more in the shortest collision, '//brief(shortest)//' s')
+              shown(case%des%steps_per_collision)//' or more in the shortest collision, '//brief(shortest)//' s,')
+    call line(unit, '', 'more where a parcel would move by over a tenth of the smallest radius in one')
   end subroutine describe_contact
 
   subroutine describe_output(case, unit)

@@ -8,6 +8,7 @@ module results
   use ledger, only: ledger_t
   use monitors, only: monitors_t
   use outcome, only: outcome_t
+  use overlap_report, only: overlap_report_t
   use parcels, only: parcels_t, radius_row, velocity_row, spin_row, drag_row, mass_row
   use provenance, only: provenance_t
   use scene, only: scene_t, parts
@@ -35,6 +36,7 @@ module results
     real(wp) :: lower(3), upper(3)             !< corners of the domain [m]
     type(bed_t) :: bed                         !< when it was looked at last
     type(statistics_t) :: statistics           !< of the parcels, then
+    type(overlap_report_t) :: overlaps         !< of all records
   contains
     procedure :: open => open_results
     procedure :: look
@@ -102,6 +104,9 @@ contains
       column_t('kinetic_energy', 'J', 'of all parcels, rotation included'), &
       column_t('max_overlap', '1', 'largest overlap over the smaller radius'), &
       column_t('mean_overlap', '1', 'mean over all contacts of parcels, of the same ratio'), &
+      column_t('overlap_beyond_1', '1', 'share of contacts that overlap by more than 1 % of the smaller radius'), &
+      column_t('overlap_beyond_5', '1', 'the same, 5 %'), &
+      column_t('overlap_beyond_10', '1', 'the same, 10 %'), &
       column_t('contacts', '1', 'between parcels'), &
       column_t('solids_steps', '1', 'since the start'), &
       column_t('list_rebuilds', '1', 'neighbour lists made since the start')]
@@ -134,6 +139,7 @@ contains
     self%bed = bed_t()
     if (scene%with_parcels) then
       self%statistics = find_statistics(scene%solids)
+      call self%overlaps%enter(self%statistics)
       self%bed%weight_per_area = self%statistics%mass*self%gravity*(self%upper(a) - self%lower(a)) &
         /product(self%upper - self%lower)
       associate (p => scene%solids%parcels)
@@ -235,8 +241,8 @@ contains
     if (scene%with_parcels) then
       associate (s => self%statistics)
         row = [row, real(s%parcels, wp), s%mass, real(s%left, wp), real(s%lost, wp), self%bed%height, &
-          self%bed%mean_height, s%kinetic_energy, s%max_overlap, s%mean_overlap, real(s%contacts, wp), &
-          ledger%solids_steps, real(s%rebuilds, wp)]
+          self%bed%mean_height, s%kinetic_energy, s%max_overlap, s%mean_overlap, s%beyond, &
+          real(s%contacts, wp), ledger%solids_steps, real(s%rebuilds, wp)]
       end associate
     end if
     if (scene%with_gas) then

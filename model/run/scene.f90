@@ -4,7 +4,7 @@
 !>   1. the void fraction and the drag of the parcels where they are, for a step of dt;
 !>   2. the gas, implicitly, until it converges: otherwise again from the same state with half the step;
 !>   3. the force of the gas on the parcels, exactly what the gas has felt, constant over the step;
-!>   4. the parcels, in as many equal solids steps as their shortest collision asks for.
+!>   4. the parcels, in as many equal solids steps as their shortest collision or their speed ask for.
 !> So the gas sees the void fraction change one step after the parcels have moved. Where the step becomes shorter
 !> than the time the parcels have moved unseen, it sees that share of the change, and the rest in the next steps:
 !> the rate of change stays what it was, and no gas volume is lost.
@@ -272,7 +272,7 @@ contains
     logical :: changed
 
     call self%watch%enter(part_parcels)
-    self%report%solids_steps = max(1, ceiling(self%report%dt/self%solids%time_step_limit()))
+    self%report%solids_steps = max(1, ceiling(self%report%dt/self%solids%next_step_limit()))
     call self%solids%advance(self%report%solids_steps, self%report%dt/self%report%solids_steps, outcome)
     if (.not. outcome%failed()) call self%solids%rebalance(changed, outcome)
     self%astray = outcome%failed()

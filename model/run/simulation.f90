@@ -275,6 +275,7 @@ contains
     end if
     if (self%comm%is_root() .and. .not. outcome%failed()) call self%progress%finish(self%scene%time)
     if (self%comm%is_root()) call self%ledger%print(self%scene, lost, lost_mass, output_unit)
+    if (self%comm%is_root() .and. self%scene%with_parcels) call self%results%overlaps%print(self%case%contact, output_unit)
     call print_cost(self%scene, self%ledger, self%ledger_at_start, self%time_at_start)
     if (self%comm%is_root()) print '(2a)', 'results in ', self%orders%folder
     if (self%scene%with_gas) call self%scene%gas%destroy()
