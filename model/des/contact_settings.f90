@@ -3,6 +3,7 @@ module contact_settings
   use case_keys, only: keys_t
   use constants, only: unset, is_set
   use kinds, only: wp
+  use text, only: word_length
   implicit none
   private
   public :: contact_settings_t, declare_contact
@@ -16,6 +17,8 @@ module contact_settings
     real(wp) :: wall_stiffness = unset                !< k_n against walls [N/m]; unset: as parcels
     real(wp) :: wall_restitution = unset              !< e_n against walls [-]; unset: as parcels
     real(wp) :: wall_friction = unset                 !< mu against walls [-]; unset: as parcels
+    character(len=word_length) :: stiffness_scaling = 'none'    !< or 'constant_modulus': see coarse_graining
+    character(len=word_length) :: restitution_scaling = 'none'  !< or 'dissipation'
   end type contact_settings_t
 
 contains
@@ -34,6 +37,10 @@ contains
     call keys%get('wall_stiffness', settings%wall_stiffness, 'the same against walls; as parcels if not given [N/m]', '(0, inf)')
     call keys%get('wall_restitution', settings%wall_restitution, 'the same against walls; as parcels if not given [-]', '[0.01, 1]')
     call keys%get('wall_friction', settings%wall_friction, 'the same against walls; as parcels if not given [-]', '[0, 10]')
+    call keys%get('stiffness_scaling', settings%stiffness_scaling, 'stiffness of parcels: none: as given; '// &
+                  'constant_modulus: as given times their width over that of their particles', 'none | constant_modulus')
+    call keys%get('restitution_scaling', settings%restitution_scaling, 'restitution of parcels: none: as given; '// &
+                  'dissipation: less, so that they dissipate as their particles do', 'none | dissipation')
     if (.not. is_set(settings%wall_friction)) return
     call keys%require(settings%friction > 0 .or. .not. settings%wall_friction > 0, 'wall_friction', &
                       'needs friction between parcels, too: parcels without friction do not rotate')

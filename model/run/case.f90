@@ -2,12 +2,14 @@
 module case
   use boundary_settings, only: boundary_settings_t, declare_boundary
   use case_keys, only: keys_t
+  use constants, only: unset
   use contact_settings, only: contact_settings_t, declare_contact
   use coupling_settings, only: coupling_settings_t, declare_coupling
   use des_settings, only: des_settings_t, declare_des
   use domain_settings, only: domain_settings_t, declare_domain, declare_grid
   use gas_numerics, only: gas_numerics_t, declare_gas_numerics
   use gas_settings, only: gas_settings_t, declare_gas
+  use kinds, only: wp
   use monitor_settings, only: monitor_settings_t, declare_monitor
   use output_settings, only: output_settings_t, declare_output
   use parcels_settings, only: parcels_settings_t, fill_settings_t, declare_parcels, declare_fill
@@ -23,6 +25,7 @@ module case
     character(len=:), allocatable :: text         !< with all values in effect, defaults included, as a case file
     logical :: with_gas = .false.
     logical :: with_parcels = .false.
+    real(wp) :: coarseness = unset                !< width of a parcel over its particle's, where contacts are scaled by it [-]
     type(run_settings_t) :: run
     type(domain_settings_t) :: domain             !< and grid
     type(gas_settings_t) :: gas

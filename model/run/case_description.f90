@@ -148,6 +148,8 @@ contains
     associate (contact => case%contact)
       call line(unit, 'contact', 'linear spring '//shown(contact%stiffness)//' N/m, restitution '//shown(contact%restitution) &
                 //' for every pair')
+      if (is_set(case%coarseness)) call line(unit, '', 'scaled to parcels '//brief(case%coarseness) &
+                                             //' times as wide as their particles')
       if (contact%friction > 0) then
         call line(unit, '', 'friction '//shown(contact%friction)//': parcels rotate, contacts remember their slip')
       else

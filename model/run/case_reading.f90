@@ -5,6 +5,7 @@ module case_reading
   use case_checks, only: check_case
   use case_file, only: case_file_t, load_case, load_case_text
   use case_keys, only: keys_t
+  use coarse_graining, only: scale_contacts
   use problems, only: problems_t
   implicit none
   private
@@ -49,6 +50,7 @@ contains
     call list_all(all)
     call keys%begin(records, all%groups, problems)
     call declare_case(case, keys)
+    call scale_contacts(case, keys)
     call check_case(case, keys)
     case%file = records%path
     case%text = keys%resolved

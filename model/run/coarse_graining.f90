@@ -1,0 +1,109 @@
+!> Contact laws of parcels from those of the particles they stand for.
+!>
+!> With l = W^(1/3), the width of a parcel over that of its particle:
+!>
+!>   constant_modulus   k_cg = l k, so that impacts overlap by the same share of the radius
+!>   dissipation        e_cg^2 = 1 - l (1 - e^2), so that a granular gas of parcels cools as that of particles does
+!>
+!> A spring k of a particle of width d is an elastic modulus of about k/d, which l k over l d leaves as it is: Bierwisch
+!> et al., J. Mech. Phys. Solids 57 (2009) 10-31. The rate of dissipation by collisions per volume goes as (1 - e^2)/d:
+!> Lun et al., J. Fluid Mech. 140 (1984) 223-256; equal rates at equal temperature give e_cg, which is real for
+!> l < 1/(1 - e^2) only. Friction also dissipates, and is not counted: frictional parcels cool too fast.
+!>
+!> One law serves all parcels, so l is that of the mean weight: exactly W^(1/3) for SSW, and D over the width that
+!> has the mean volume of the particles for SSP, whose parcels share one width, mass and collision time.
+module coarse_graining
+  use case, only: case_t
+  use case_keys, only: keys_t
+  use constants, only: is_set
+  use kinds, only: wp
+  use outcome, only: outcome_t
+  use parcel_plan, only: parcel_plan_t, new_parcel_plan
+  use text, only: brief, shown
+  implicit none
+  private
+  public :: scale_contacts, scaled_restitution
+
+  real(wp), parameter :: closeness = 1.0e-3_wp  !< of l: how far the parcels of two fills may be apart
+  real(wp), parameter :: least = 0.01_wp        !< restitution that a dashpot may be asked for
+
+contains
+
+  !> Put the laws of the parcels in place of those of the particles. Once for a case that has been declared.
+  subroutine scale_contacts(case, keys)
+    type(case_t), intent(inout) :: case
+    type(keys_t), intent(inout) :: keys
+
+    logical :: stiffness, restitution
+
+    stiffness = case%contact%stiffness_scaling == 'constant_modulus'
+    restitution = case%contact%restitution_scaling == 'dissipation'
+    if (.not. (stiffness .or. restitution) .or. keys%problems%count() > 0) return
+    call find_coarseness(case, merge('stiffness_scaling  ', 'restitution_scaling', stiffness), keys)
+    if (.not. is_set(case%coarseness)) return
+    associate (c => case%contact, l => case%coarseness)
+      if (stiffness) then
+        c%stiffness = l*c%stiffness
+        if (is_set(c%wall_stiffness)) c%wall_stiffness = l*c%wall_stiffness
+      end if
+      if (.not. restitution) return
+      call scale_restitution(l, 'restitution', c%restitution, keys)
+      if (is_set(c%wall_restitution)) call scale_restitution(l, 'wall_restitution', c%wall_restitution, keys)
+    end associate
+  end subroutine scale_contacts
+
+  !> l, the same for all fills.
+  subroutine find_coarseness(case, key, keys)
+    type(case_t), intent(inout) :: case
+    character(len=*), intent(in) :: key  !< that asks for it
+    type(keys_t), intent(inout) :: keys
+
+    type(parcel_plan_t) :: plan
+    type(outcome_t) :: outcome
+    real(wp) :: l
+    integer :: i
+
+    do i = 1, size(case%fills)
+      call new_parcel_plan(case, i, plan, outcome)
+      if (outcome%failed()) return
+      if (.not. plan%known) then
+        call keys%require_at(.false., 'contact', 1, trim(key), 'needs the weight of all parcels, but those of &fill(' &
+                             //trim(case%fills(i)%id)//') come from a file: give the values of the parcels themselves')
+        return
+      end if
+      l = plan%mean_weight**(1.0_wp/3.0_wp)
+      if (i == 1) case%coarseness = l
+      if (abs(l - case%coarseness) <= closeness*l) cycle
+      call keys%require_at(.false., 'contact', 1, trim(key), 'one contact law cannot serve parcels '//brief(l)//' and ' &
+                           //brief(case%coarseness)//' times as wide as their particles')
+      return
+    end do
+  end subroutine find_coarseness
+
+  subroutine scale_restitution(l, key, restitution, keys)
+    real(wp), intent(in) :: l
+    character(len=*), intent(in) :: key
+    real(wp), intent(inout) :: restitution
+    type(keys_t), intent(inout) :: keys
+
+    real(wp) :: widest
+
+    if (1 - l*(1 - restitution**2) < least**2) then
+      widest = (1 - least**2)/(1 - restitution**2)
+      call keys%require_at(.false., 'contact', 1, key, 'no restitution of parcels dissipates as much: they are ' &
+                           //brief(l)//' times as wide as their particles, and at most '//brief(widest) &
+                           //' times, a weight of '//brief(widest**3)//', is possible')
+    else
+      restitution = scaled_restitution(l, restitution)
+    end if
+  end subroutine scale_restitution
+
+  !> e_cg for parcels l times as wide as their particles.
+  elemental function scaled_restitution(l, restitution) result(scaled)
+    real(wp), intent(in) :: l, restitution  !< [-], [-]
+    real(wp) :: scaled
+
+    scaled = sqrt(1 - l*(1 - restitution**2))
+  end function scaled_restitution
+
+end module coarse_graining
