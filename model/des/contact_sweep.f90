@@ -12,14 +12,16 @@ module contact_sweep
   public :: sweep_friction, sweep_frictionless
 
   integer, parameter :: block_pairs = 256   !< listed pairs of a block, which stays in the L1 cache
-  real(wp), parameter :: difference(8) = [-1, -1, -1, 1, -1, -1, -1, 1]  !< x, y, z, r, u, v, w, 1/m of a pair
+  real(wp), parameter :: difference(4) = [-1, -1, -1, 1]       !< x, y, z, r or u, v, w, 1/m of a pair
   real(wp), parameter :: reaction(8) = [-1, -1, -1, 1, 1, 1, 1, 1]       !< force and torque on the partner
 
   !> Touching pairs on their way through the law: both parcels, and the entry of the list.
   type :: selection_t
     integer :: entry = 1                    !< where the selection goes on
     integer :: n = 0                        !< pairs selected
-    integer :: i(block_pairs + 1), j(block_pairs + 1), k(block_pairs + 1)
+    integer :: place(block_pairs + 1)       !< of each in the block
+    integer :: i(block_pairs), j(block_pairs), k(block_pairs)
+    real(wp) :: way(4, block_pairs)         !< of all pairs of the block: x_i - x_j, r_i + r_j [m]
   end type selection_t
 
 contains
@@ -72,30 +74,43 @@ contains
     padded = lanes*((n + lanes - 1)/lanes)
   end function padded
 
-  !> Look at the next listed pairs, a block of them, and choose those that touch.
+  !> Look at the next listed pairs, a block of them, and choose those that touch. In three passes, of which the first
+  !> two are vectors: a row of memory at a time, then a row of pairs.
   pure subroutine select_pairs(rows, state, list, chosen)
     integer, intent(in) :: rows              !< of state
     real(wp), intent(in) :: state(rows, *)
     type(contact_list_t), intent(in) :: list
     type(selection_t), intent(inout) :: chosen
 
-    integer :: i, j, k, n, last
-    real(wp) :: gap
+    integer :: i, j, l, m, n, before, count
+    real(wp) :: gap(block_pairs)
 
+    before = chosen%entry - 1
+    count = min(list%entries - before, block_pairs)
+    do m = 1, count
+      i = list%row(before + m)
+      j = list%partner(before + m)
+      !$omp simd simdlen(4)
+      do l = 1, 4
+        chosen%way(l, m) = state(l, i) + difference(l)*state(l, j)
+      end do
+    end do
+    !$omp simd
+    do m = 1, count
+      gap(m) = chosen%way(1, m)**2 + chosen%way(2, m)**2 + chosen%way(3, m)**2 - chosen%way(4, m)**2
+    end do
     n = 0
-    last = min(list%entries, chosen%entry + block_pairs - 1)
-    do k = chosen%entry, last
-      i = list%row(k)
-      j = list%partner(k)
-      gap = (state(1, i) - state(1, j))**2 + (state(2, i) - state(2, j))**2 + (state(3, i) - state(3, j))**2 &
-            - (state(4, i) + state(4, j))**2
-      chosen%i(n + 1) = i
-      chosen%j(n + 1) = j
-      chosen%k(n + 1) = k
-      n = n + merge(1, 0, gap < 0)
+    do m = 1, count
+      chosen%place(n + 1) = m
+      n = n + merge(1, 0, gap(m) < 0)
+    end do
+    do m = 1, n
+      chosen%k(m) = before + chosen%place(m)
+      chosen%i(m) = list%row(chosen%k(m))
+      chosen%j(m) = list%partner(chosen%k(m))
     end do
     chosen%n = n
-    chosen%entry = last + 1
+    chosen%entry = before + count + 1
   end subroutine select_pairs
 
   !> Differences (position, velocity) and sums (radius, inverse mass) of the pairs. The last lanes, where the
@@ -111,9 +126,10 @@ contains
     do m = 1, chosen%n
       i = chosen%i(m)
       j = chosen%j(m)
-      !$omp simd simdlen(8)
-      do l = 1, 8
-        pair(l, m) = state(l, i) + difference(l)*state(l, j)
+      !$omp simd simdlen(4)
+      do l = 1, 4
+        pair(l, m) = chosen%way(l, chosen%place(m))
+        pair(l + 4, m) = state(l + 4, i) + difference(l)*state(l + 4, j)
       end do
     end do
     do m = chosen%n + 1, padded(chosen%n)
