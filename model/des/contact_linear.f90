@@ -18,12 +18,11 @@
 !> restitution to second order in dt and leaves the static overlap as it is.
 module contact_linear
   use constants, only: pi
+  use contact_lanes, only: lanes, turn_eight, turn_four
   use kinds, only: wp
   implicit none
   private
-  public :: linear_t, new_linear, damping_ratio, friction_forces, frictionless_forces, lanes
-
-  integer, parameter :: lanes = 8  !< pairs computed at a time
+  public :: linear_t, new_linear, damping_ratio, linear_friction_forces, linear_frictionless_forces
 
   !> Constants of one pair of materials.
   type :: linear_t
@@ -77,13 +76,13 @@ contains
   !> Forces of n touching pairs (i, j) with friction, n a multiple of `lanes`.
   !>
   !> `pair` holds of each pair: 1:3 x_i - x_j, 4 r_i + r_j, 5:7 v_i - v_j, 8 1/m_i + 1/m_j; `spin` holds 1:3
-  !> r_i omega_i + r_j omega_j; `force` receives 1:3 the force on i and 5:7 the torque over radius, the same
-  !> for i and j. Exchanging i and j gives exactly the opposite force.
-  pure subroutine friction_forces(law, n, pair, spin, slip, force)
+  !> r_i omega_i + r_j omega_j, and in 4 what other laws read; `force` receives 1:3 the force on i and 5:7 the
+  !> torque over radius, the same for i and j. Exchanging i and j gives exactly the opposite force.
+  pure subroutine linear_friction_forces(law, n, pair, spin, slip, force)
     type(linear_t), intent(in) :: law
     integer, intent(in) :: n
     real(wp), intent(in) :: pair(8, n)     !< [m], [m], [m/s], [1/kg]
-    real(wp), intent(in) :: spin(4, n)     !< [m/s]; 4 is 0
+    real(wp), intent(in) :: spin(4, n)     !< [m/s]
     real(wp), intent(inout) :: slip(4, n)  !< 1:3 tangential slip [m], 4 step of the last touch
     real(wp), intent(out) :: force(8, n)   !< [N]
 
@@ -96,7 +95,7 @@ contains
       call turn_eight(forces, force(:, k:k + lanes - 1))
       call turn_four(slips, slip(:, k:k + lanes - 1))
     end do
-  end subroutine friction_forces
+  end subroutine linear_friction_forces
 
   !> Eight pairs at once, one in each lane. All rows are read, since one left out would keep the last lanes out
   !> of the vector loop; results are written lane by lane and turned afterwards, which is 9 % faster.
@@ -174,8 +173,8 @@ contains
     end do
   end subroutine eight_with_friction
 
-  !> Forces of n touching pairs without friction, n a multiple of `lanes`; `pair` as in `friction_forces`.
-  pure subroutine frictionless_forces(law, n, pair, force)
+  !> Forces of n touching pairs without friction, n a multiple of `lanes`; `pair` as in `linear_friction_forces`.
+  pure subroutine linear_frictionless_forces(law, n, pair, force)
     type(linear_t), intent(in) :: law
     integer, intent(in) :: n
     real(wp), intent(in) :: pair(8, n)    !< [m], [m], [m/s], [1/kg]
@@ -188,7 +187,7 @@ contains
       call eight_without_friction(law, pair(:, k:k + lanes - 1), forces)
       call turn_four(forces, force(:, k:k + lanes - 1))
     end do
-  end subroutine frictionless_forces
+  end subroutine linear_frictionless_forces
 
   pure subroutine eight_without_friction(law, pair, forces)
     type(linear_t), intent(in) :: law
@@ -213,44 +212,5 @@ contains
       forces(k, 4) = 0.0_wp
     end do
   end subroutine eight_without_friction
-
-  !> Rows for pairs from rows for components.
-  pure subroutine turn_eight(from, to)
-    real(wp), intent(in) :: from(lanes, 8)
-    real(wp), intent(out) :: to(8, lanes)
-
-    integer :: m
-
-    !$omp simd simdlen(8)
-    do m = 1, 8
-      to(m, 1) = from(1, m)
-      to(m, 2) = from(2, m)
-      to(m, 3) = from(3, m)
-      to(m, 4) = from(4, m)
-      to(m, 5) = from(5, m)
-      to(m, 6) = from(6, m)
-      to(m, 7) = from(7, m)
-      to(m, 8) = from(8, m)
-    end do
-  end subroutine turn_eight
-
-  pure subroutine turn_four(from, to)
-    real(wp), intent(in) :: from(lanes, 4)
-    real(wp), intent(out) :: to(4, lanes)
-
-    integer :: m
-
-    !$omp simd simdlen(4)
-    do m = 1, 4
-      to(m, 1) = from(1, m)
-      to(m, 2) = from(2, m)
-      to(m, 3) = from(3, m)
-      to(m, 4) = from(4, m)
-      to(m, 5) = from(5, m)
-      to(m, 6) = from(6, m)
-      to(m, 7) = from(7, m)
-      to(m, 8) = from(8, m)
-    end do
-  end subroutine turn_four
 
 end module contact_linear

@@ -1,4 +1,4 @@
-!> The &contact group: linear springs, dashpots and friction between parcels, and against walls.
+!> The &contact group: springs, dashpots and friction between parcels, and against walls.
 module contact_settings
   use case_keys, only: keys_t
   use constants, only: unset, is_set
@@ -9,7 +9,13 @@ module contact_settings
   public :: contact_settings_t, declare_contact
 
   type :: contact_settings_t
-    real(wp) :: stiffness = unset                     !< normal, k_n [N/m]
+    character(len=word_length) :: law = 'linear'      !< or 'hertz'
+    real(wp) :: stiffness = unset                     !< linear: normal, k_n [N/m]
+    real(wp) :: youngs_modulus = unset                !< hertz: of the parcels' material [Pa]
+    real(wp) :: poisson_ratio = unset                 !< hertz: of the parcels' material [-]
+    real(wp) :: wall_youngs_modulus = unset           !< hertz: of the walls [Pa]; unset: as parcels
+    real(wp) :: wall_poisson_ratio = unset            !< hertz: of the walls [-]; unset: as parcels
+    real(wp) :: impact_velocity = 1.0_wp              !< hertz: of the impacts that set the solids step [m/s]
     real(wp) :: tangential_ratio = 2.0_wp/7.0_wp      !< k_t/k_n [-]
     real(wp) :: restitution = 0.9_wp                  !< normal, e_n [-]
     real(wp) :: friction = 0.0_wp                     !< Coulomb, mu [-]; 0: none, and no rotation
@@ -28,13 +34,19 @@ contains
     type(contact_settings_t), intent(inout) :: settings
     type(keys_t), intent(inout) :: keys
 
+    logical :: hertz
+
+    call keys%get('law', settings%law, 'linear: spring and dashpot; hertz: Hertz and Mindlin', 'linear | hertz')
+    hertz = settings%law == 'hertz'
     call keys%get('stiffness', settings%stiffness, 'normal spring between parcels, k_n [N/m]', '(0, inf)', &
-                  required=.true., when='always')
-    call keys%get('tangential_ratio', settings%tangential_ratio, 'tangential over normal stiffness [-]', '(0, 2]')
+                  required=.not. hertz, when='for linear')
+    call declare_hertz(settings, hertz, keys)
+    call keys%get('tangential_ratio', settings%tangential_ratio, 'linear: tangential over normal stiffness [-]', '(0, 2]')
     call keys%get('restitution', settings%restitution, 'normal restitution, e_n [-]', '[0.01, 1]')
     call keys%get('friction', settings%friction, 'Coulomb friction, mu; 0: no tangential force, no rotation [-]', '[0, 10]')
     call keys%get('tangential_damping_ratio', settings%tangential_damping_ratio, 'tangential over normal damping [-]', '[0, 2]')
-    call keys%get('wall_stiffness', settings%wall_stiffness, 'the same against walls; as parcels if not given [N/m]', '(0, inf)')
+    call keys%get('wall_stiffness', settings%wall_stiffness, 'linear: the same against walls; as parcels if not given [N/m]', &
+                  '(0, inf)')
     call keys%get('wall_restitution', settings%wall_restitution, 'the same against walls; as parcels if not given [-]', '[0.01, 1]')
     call keys%get('wall_friction', settings%wall_friction, 'the same against walls; as parcels if not given [-]', '[0, 10]')
     call keys%get('stiffness_scaling', settings%stiffness_scaling, 'stiffness of parcels: none: as given; '// &
@@ -45,5 +57,23 @@ contains
     call keys%require(settings%friction > 0 .or. .not. settings%wall_friction > 0, 'wall_friction', &
                       'needs friction between parcels, too: parcels without friction do not rotate')
   end subroutine declare_contact
+
+  !> Keys of the law of Hertz, which may stand where the linear one is chosen, so that one line changes it.
+  subroutine declare_hertz(settings, required, keys)
+    type(contact_settings_t), intent(inout) :: settings
+    logical, intent(in) :: required
+    type(keys_t), intent(inout) :: keys
+
+    call keys%get('youngs_modulus', settings%youngs_modulus, 'Young''s modulus of the parcels'' material [Pa]', '(0, inf)', &
+                  required=required, when='for hertz')
+    call keys%get('poisson_ratio', settings%poisson_ratio, 'Poisson''s ratio of the parcels'' material [-]', '(-1, 0.5)', &
+                  required=required, when='for hertz')
+    call keys%get('wall_youngs_modulus', settings%wall_youngs_modulus, 'hertz: that of the walls, 1e30 for rigid ones; '// &
+                  'as parcels if not given [Pa]', '(0, inf)')
+    call keys%get('wall_poisson_ratio', settings%wall_poisson_ratio, 'hertz: that of the walls; as parcels if not given [-]', &
+                  '(-1, 0.5)')
+    call keys%get('impact_velocity', settings%impact_velocity, 'hertz: speed of the impacts that set the solids step; '// &
+                  'faster ones shorten it [m/s]', '(0, inf)')
+  end subroutine declare_hertz
 
 end module contact_settings

@@ -4,7 +4,8 @@
 !> Half of the listed pairs do not touch, in no order a processor could foresee; so the selection has no branch,
 !> and the law sees only pairs that touch.
 module contact_sweep
-  use contact_linear, only: linear_t, friction_forces, frictionless_forces, lanes
+  use contact_lanes, only: lanes
+  use contact_law, only: contact_law_t, friction_forces, frictionless_forces
   use contact_list, only: contact_list_t
   use kinds, only: wp
   implicit none
@@ -28,7 +29,7 @@ contains
 
   !> Add the forces and torques of all pairs that touch, with friction.
   subroutine sweep_friction(law, list, state, force)
-    type(linear_t), intent(in) :: law
+    type(contact_law_t), intent(in) :: law
     type(contact_list_t), intent(inout) :: list
     real(wp), intent(in) :: state(16, *)     !< see parcels
     real(wp), intent(inout) :: force(8, *)   !< 1:3 force, 5:7 torque over radius [N]
@@ -49,19 +50,20 @@ contains
 
   !> Add the forces of all pairs that touch, without friction.
   subroutine sweep_frictionless(law, list, state, force)
-    type(linear_t), intent(in) :: law
+    type(contact_law_t), intent(in) :: law
     type(contact_list_t), intent(in) :: list
     real(wp), intent(in) :: state(8, *)      !< see parcels
     real(wp), intent(inout) :: force(4, *)   !< 1:3 force [N]
 
     type(selection_t) :: chosen
-    real(wp) :: pair(8, block_pairs), forces(4, block_pairs)
+    real(wp) :: pair(8, block_pairs), curvature(block_pairs), forces(4, block_pairs)
 
     chosen%entry = 1
     do while (chosen%entry <= list%entries)
       call select_pairs(8, state, list, chosen)
       call gather_pairs(8, state, chosen, pair)
-      call frictionless_forces(law, padded(chosen%n), pair, forces)
+      if (law%hertzian) call gather_curvature(state, chosen, curvature)
+      call frictionless_forces(law, padded(chosen%n), pair, curvature, forces)
       call scatter_frictionless(forces, chosen, force)
     end do
   end subroutine sweep_frictionless
@@ -156,10 +158,24 @@ contains
       end do
     end do
     do m = chosen%n + 1, padded(chosen%n)
-      spin(:, m) = 0.0_wp
+      spin(:, m) = spin(:, chosen%n)
       slip(:, m) = 0.0_wp
     end do
   end subroutine gather_history
+
+  !> 1/r_i + 1/r_j where the state has no row for it.
+  pure subroutine gather_curvature(state, chosen, curvature)
+    real(wp), intent(in) :: state(8, *)
+    type(selection_t), intent(in) :: chosen
+    real(wp), intent(inout) :: curvature(block_pairs)
+
+    integer :: m
+
+    do m = 1, chosen%n
+      curvature(m) = 1/state(4, chosen%i(m)) + 1/state(4, chosen%j(m))
+    end do
+    curvature(chosen%n + 1:padded(chosen%n)) = curvature(max(chosen%n, 1))
+  end subroutine gather_curvature
 
   pure subroutine scatter_history(slip, chosen, history)
     real(wp), intent(in) :: slip(4, block_pairs)

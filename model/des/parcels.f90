@@ -5,7 +5,7 @@ module parcels
   use kinds, only: wp, i8
   implicit none
   private
-  public :: parcels_t, position_row, radius_row, velocity_row, mass_row, spin_row, &
+  public :: parcels_t, position_row, radius_row, velocity_row, mass_row, spin_row, curvature_row, &
     drive_row, drag_row, before_row, frictional_rows, frictionless_rows, coupled_rows, &
     frictional_force_rows, frictionless_force_rows
 
@@ -15,6 +15,7 @@ module parcels
   integer, parameter :: velocity_row = 5  !< 5:7 velocity [m/s]
   integer, parameter :: mass_row = 8      !< inverse of the parcel's mass [1/kg]
   integer, parameter :: spin_row = 9      !< 9:11 angular velocity times collision radius [m/s]
+  integer, parameter :: curvature_row = 12  !< inverse of the collision radius [1/m]
   integer, parameter :: frictional_rows = 16, frictionless_rows = 8
   integer, parameter :: frictional_force_rows = 8, frictionless_force_rows = 4
 

@@ -7,7 +7,7 @@
 module solids
   use communicator, only: communicator_t
   use contact_history, only: history_t
-  use contact_linear, only: linear_t, new_linear
+  use contact_law, only: contact_law_t, new_pair_law, new_wall_law
   use contact_list, only: contact_list_t
   use contact_settings, only: contact_settings_t
   use contact_sweep, only: sweep_friction, sweep_frictionless
@@ -19,7 +19,7 @@ module solids
   use motion, only: drift, kick_and_drift
   use neighbours, only: search_t
   use outcome, only: outcome_t
-  use parcels, only: parcels_t, radius_row, mass_row
+  use parcels, only: parcels_t, radius_row, mass_row, curvature_row
   use solids_trouble, only: find_trouble, check_period
   use tiles, only: tiles_t, new_tiles
   use chamber, only: chamber_t
@@ -38,7 +38,7 @@ module solids
     type(chamber_t) :: chamber
     type(contact_settings_t) :: contact
     type(des_settings_t) :: numerics
-    type(linear_t) :: pair_law, wall_law
+    type(contact_law_t) :: pair_law, wall_law
     type(parcels_t) :: parcels
     type(tiles_t) :: tiles               !< exist once parcels do
     integer :: tilings = 0               !< how often tiles were made or changed hands
@@ -91,13 +91,8 @@ contains
     self%contact = contact
     self%numerics = numerics
     self%tile_width = tile_width
-    associate (c => contact)
-      self%pair_law = new_linear(c%stiffness, c%tangential_ratio, c%restitution, c%tangential_damping_ratio, &
-                                 c%friction)
-      self%wall_law = new_linear(given(c%wall_stiffness, c%stiffness), c%tangential_ratio, &
-                                 given(c%wall_restitution, c%restitution), c%tangential_damping_ratio, &
-                                 given(c%wall_friction, c%friction))
-    end associate
+    self%pair_law = new_pair_law(contact)
+    self%wall_law = new_wall_law(contact)
     friction = self%pair_law%mu > 0.0_wp .or. self%wall_law%mu > 0.0_wp
     self%list%with_history = friction
     self%walls%with_history = friction
@@ -138,6 +133,7 @@ contains
         p%state(radius_row, c) = 0.5_wp*diameter(m)*weight(m)**(1.0_wp/3.0_wp)
         p%state(5:7, c) = velocity(:, m)
         p%state(mass_row, c) = 1/(weight(m)*density(m)*pi/6*diameter(m)**3)
+        if (p%rotation) p%state(curvature_row, c) = 1/p%state(radius_row, c)
         p%force(:, c) = 0.0_wp
         p%diameter(c) = diameter(m)
         p%weight(c) = weight(m)
@@ -182,16 +178,24 @@ contains
     self%tilings = self%tilings + 1
   end subroutine set_reach
 
-  !> The longest solids step, from the shortest collision of two parcels or of a parcel and a wall [s].
-  function time_step_limit(self) result(dt)
+  !> The longest solids step, from the shortest collision of two parcels or of a parcel and a wall [s]. That of Hertz's
+  !> law goes with the fifth root of the speed, for which `impact_velocity` stands unless a higher one is given.
+  function time_step_limit(self, speed) result(dt)
     class(solids_t), intent(in) :: self
+    real(wp), intent(in), optional :: speed  !< of an approach [m/s]
     real(wp) :: dt
+
+    real(wp) :: fastest
 
     if (self%added == 0) then
       dt = huge(1.0_wp)
     else
-      dt = min(self%pair_law%contact_time(0.5_wp*self%smallest_mass), &
-               self%wall_law%contact_time(self%smallest_mass))/self%numerics%steps_per_collision
+      fastest = self%contact%impact_velocity
+      if (present(speed)) fastest = max(fastest, speed)
+      associate (m => self%smallest_mass, r => self%smallest_radius)
+        dt = min(self%pair_law%contact_time(0.5_wp*m, 0.5_wp*r, fastest), &
+                 self%wall_law%contact_time(m, r, fastest))/self%numerics%steps_per_collision
+      end associate
     end if
   end function time_step_limit
 
@@ -201,14 +205,15 @@ contains
     class(solids_t), intent(in) :: self
     real(wp) :: dt
 
-    real(wp) :: square
+    real(wp) :: square, speed
     integer :: i
 
     square = 0.0_wp
     do i = 1, self%parcels%n
       square = max(square, sum(self%parcels%state(5:7, i)**2))
     end do
-    dt = min(self%time_step_limit(), farthest_step*self%smallest_radius/max(sqrt(self%comm%max(square)), tiny(dt)))
+    speed = sqrt(self%comm%max(square))
+    dt = min(self%time_step_limit(2*speed), farthest_step*self%smallest_radius/max(speed, tiny(dt)))
   end function next_step_limit
 
   !> Go on by `steps` steps of `dt`. All ranks take part and agree on the outcome.
@@ -223,13 +228,11 @@ contains
 
     if (self%trouble%failed()) outcome = self%trouble
     if (outcome%failed() .or. steps == 0 .or. self%added == 0) return
-    self%pair_law%dt = dt
-    self%wall_law%dt = dt
     call drift(self%parcels, dt/2, fastest)
     call keep_neighbours(self, dt/2, fastest, .true., outcome)
     do step = 1, steps
       if (outcome%failed()) return
-      call find_forces(self)
+      call find_forces(self, dt)
       time = merge(dt, dt/2, step < steps)
       call kick_and_drift(self%parcels, self%chamber%gravity, dt, time, fastest, energy)
       self%time = self%time + dt
@@ -238,12 +241,13 @@ contains
   end subroutine advance
 
   !> Contact forces and torques of this step.
-  subroutine find_forces(self)
+  subroutine find_forces(self, dt)
     class(solids_t), intent(inout) :: self
+    real(wp), intent(in) :: dt  !< [s]
 
     self%step = self%step + 1
-    self%pair_law%step = self%step
-    self%wall_law%step = self%step
+    call self%pair_law%set_step(dt, self%step)
+    call self%wall_law%set_step(dt, self%step)
     if (self%parcels%rotation) then
       call sweep_friction(self%pair_law, self%list, self%parcels%state, self%parcels%force)
     else

@@ -8,7 +8,7 @@ module solids_state
   use contact_history, only: history_t
   use kinds, only: wp, i8
   use outcome, only: outcome_t
-  use parcels, only: parcels_t, coupled_rows, radius_row, mass_row
+  use parcels, only: parcels_t, coupled_rows, radius_row, mass_row, curvature_row
   use solids, only: solids_t
   implicit none
   private
@@ -172,7 +172,7 @@ contains
         s(radius_row) = row(13)
         s(5:7) = row(7:9)
         s(mass_row) = row(14)
-        if (parcels%rotation) s(9:11) = row(10:12)
+        if (parcels%rotation) s(9:curvature_row) = [row(10:12), 1/row(13)]
         parcels%built(:, i) = row(1:3)
         parcels%diameter(i) = row(15)
         parcels%weight(i) = row(16)

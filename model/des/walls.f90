@@ -1,9 +1,10 @@
 !> Contacts of parcels with the plane faces of the chamber.
 !>
-!> A wall is a partner of infinite mass and no radius in the parcel's foot point on the plane; the law is the one
+!> A wall is a partner of infinite mass and no radius or curvature in the parcel's foot point on the plane; the law is the one
 !> of parcels, with the constants of the wall.
 module walls
-  use contact_linear, only: linear_t, friction_forces, frictionless_forces, lanes
+  use contact_lanes, only: lanes
+  use contact_law, only: contact_law_t, friction_forces, frictionless_forces
   use contact_list, only: never
   use kinds, only: wp
   use parcels, only: parcels_t
@@ -68,7 +69,7 @@ contains
   pure subroutine sweep(self, chamber, law, parcels)
     class(wall_list_t), intent(inout) :: self
     type(chamber_t), intent(in) :: chamber
-    type(linear_t), intent(in) :: law
+    type(contact_law_t), intent(in) :: law
     type(parcels_t), intent(inout) :: parcels
 
     real(wp) :: pair(8, block_pairs), d
@@ -99,12 +100,13 @@ contains
   !> Forces of a block of contacts with walls. Lanes left over repeat the last contact.
   pure subroutine apply(self, law, touching, pair, parcels)
     class(wall_list_t), intent(inout) :: self
-    type(linear_t), intent(in) :: law
+    type(contact_law_t), intent(in) :: law
     integer, intent(in) :: touching(:)                 !< (n) entries
     real(wp), intent(inout) :: pair(8, block_pairs)    !< see contact_linear
     type(parcels_t), intent(inout) :: parcels
 
-    real(wp) :: spin(4, block_pairs), slip(4, block_pairs), force(8, block_pairs), push(4, block_pairs)
+    real(wp) :: spin(4, block_pairs), slip(4, block_pairs), force(8, block_pairs)
+    real(wp) :: push(4, block_pairs), curvature(block_pairs)
     integer :: n, m, i, full
 
     n = size(touching)
@@ -113,7 +115,8 @@ contains
       pair(:, m) = pair(:, n)
     end do
     if (.not. self%with_history) then
-      call frictionless_forces(law, full, pair, push)
+      curvature(1:full) = 1/pair(4, 1:full)
+      call frictionless_forces(law, full, pair, curvature, push)
       do m = 1, n
         i = self%parcel(touching(m))
         parcels%force(1:3, i) = parcels%force(1:3, i) + push(1:3, m)

@@ -2,6 +2,7 @@
 module case_description
   use case, only: case_t
   use constants, only: is_set
+  use contact_settings, only: contact_settings_t
   use kinds, only: wp
   use outcome, only: outcome_t
   use parcel_plan, only: parcel_plan_t, new_parcel_plan
@@ -146,8 +147,7 @@ contains
     real(wp) :: step
 
     associate (contact => case%contact)
-      call line(unit, 'contact', 'linear spring '//shown(contact%stiffness)//' N/m, restitution '//shown(contact%restitution) &
-                //' for every pair')
+      call line(unit, 'contact', law_words(contact)//', restitution '//shown(contact%restitution)//' for every pair')
       if (is_set(case%coarseness)) call line(unit, '', 'scaled to parcels '//brief(case%coarseness) &
                                              //' times as wide as their particles')
       if (contact%friction > 0) then
@@ -160,9 +160,29 @@ contains
     step = shortest/case%des%steps_per_collision
     step = case%gas_numerics%time_step/ceiling(case%gas_numerics%time_step/step)
     call line(unit, 'solids steps', brief(case%run%end_time/step)//' of '//brief(step)//' s, '// &
-              shown(case%des%steps_per_collision)//' or more in the shortest collision, '//brief(shortest)//' s,')
+              shown(case%des%steps_per_collision)//' or more in the shortest collision, '//brief(shortest) &
+              //' s'//impact_words(case%contact)//',')
     call line(unit, '', 'more where a parcel would move by over a tenth of the smallest radius in one')
   end subroutine describe_contact
+
+  pure function law_words(contact) result(words)
+    type(contact_settings_t), intent(in) :: contact
+    character(len=:), allocatable :: words
+
+    if (contact%law == 'hertz') then
+      words = 'Hertz, modulus '//shown(contact%youngs_modulus)//' Pa, Poisson''s ratio '//shown(contact%poisson_ratio)
+    else
+      words = 'linear spring '//shown(contact%stiffness)//' N/m'
+    end if
+  end function law_words
+
+  pure function impact_words(contact) result(words)
+    type(contact_settings_t), intent(in) :: contact
+    character(len=:), allocatable :: words
+
+    words = ''
+    if (contact%law == 'hertz') words = ' at '//shown(contact%impact_velocity)//' m/s'
+  end function impact_words
 
   subroutine describe_output(case, unit)
     type(case_t), intent(in) :: case

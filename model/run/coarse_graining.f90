@@ -43,7 +43,7 @@ contains
     if (.not. is_set(case%coarseness)) return
     associate (c => case%contact, l => case%coarseness)
       if (stiffness) then
-        c%stiffness = l*c%stiffness
+        if (is_set(c%stiffness)) c%stiffness = l*c%stiffness
         if (is_set(c%wall_stiffness)) c%wall_stiffness = l*c%wall_stiffness
       end if
       if (.not. restitution) return

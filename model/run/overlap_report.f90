@@ -6,7 +6,7 @@ module overlap_report
   use text, only: brief
   implicit none
   private
-  public :: overlap_report_t, stiffness_factor
+  public :: overlap_report_t, stiffness_factor, modulus_factor
 
   !> Beyond this share of the smaller radius an overlap is no longer that of spheres: contact area, packing and the
   !> forces on the neighbours are wrong.
@@ -40,17 +40,33 @@ contains
     factor = (overlap/wanted)**2
   end function stiffness_factor
 
+  !> The same of Young's modulus: Hertz's overlap goes as E^(-2/5).
+  elemental function modulus_factor(overlap, wanted) result(factor)
+    real(wp), intent(in) :: overlap, wanted  !< [-]
+    real(wp) :: factor
+
+    factor = (overlap/wanted)**2.5_wp
+  end function modulus_factor
+
   subroutine print_report(self, contact, unit)
     class(overlap_report_t), intent(in) :: self
     type(contact_settings_t), intent(in) :: contact
     integer, intent(in) :: unit
 
+    character(len=:), allocatable :: words
+
     write (unit, '(2x,a,t18,a)') 'overlap', 'at most '//brief(self%largest)//' of the radius; beyond 0.01, 0.05, 0.1 at most ' &
       //brief(self%beyond(1))//', '//brief(self%beyond(2))//', '//brief(self%beyond(3))//' of all contacts'
     if (self%largest <= tolerable) return
-    write (unit, '(2x,a,t18,a)') '', 'to stay within '//brief(tolerable)//' give &contact stiffness = ' &
-      //brief(contact%stiffness*stiffness_factor(self%largest, tolerable))//' N/m instead of ' &
-      //brief(contact%stiffness)//': '//brief(self%largest/tolerable)//' times as many solids steps'
+    if (contact%law == 'hertz') then
+      words = 'youngs_modulus = '//brief(contact%youngs_modulus*modulus_factor(self%largest, tolerable))//' Pa instead of ' &
+              //brief(contact%youngs_modulus)
+    else
+      words = 'stiffness = '//brief(contact%stiffness*stiffness_factor(self%largest, tolerable))//' N/m instead of ' &
+              //brief(contact%stiffness)
+    end if
+    write (unit, '(2x,a,t18,a)') '', 'to stay within '//brief(tolerable)//' give &contact '//words//': ' &
+      //brief(self%largest/tolerable)//' times as many solids steps'
   end subroutine print_report
 
 end module overlap_report

@@ -2,7 +2,7 @@
 module parcel_plan
   use case, only: case_t
   use constants, only: is_set, pi
-  use contact_linear, only: linear_t, new_linear
+  use contact_law, only: contact_law_t, new_pair_law, new_wall_law
   use kinds, only: wp
   use outcome, only: outcome_t
   use quantiles, only: quantiles_t
@@ -52,9 +52,9 @@ contains
       if (is_set(settings%mass)) plan%parcels = settings%mass/(case%powders(settings%powder)%density*parcel_volume)
       plan%volume = plan%parcels*parcel_volume
       call find_extremes(sizes%weighted_by(3*weighting%theta), weighting, plan)
-      if (is_set(case%contact%stiffness)) then
+      if (is_set(merge(case%contact%youngs_modulus, case%contact%stiffness, case%contact%law == 'hertz'))) then
         plan%contact_time = shortest_contact(case, case%powders(settings%powder)%density &
-                                             *sphere_volume(plan%diameter(1)))
+                                             *sphere_volume(plan%diameter(1)), plan%diameter(1)/2)
       end if
       plan%known = .true.
     end associate
@@ -76,25 +76,18 @@ contains
   end subroutine find_extremes
 
   !> Of two of the smallest parcels, or of one and a wall [s].
-  pure function shortest_contact(case, mass) result(time)
+  pure function shortest_contact(case, mass, radius) result(time)
     type(case_t), intent(in) :: case
-    real(wp), intent(in) :: mass  !< of the smallest parcel [kg]
+    real(wp), intent(in) :: mass    !< of the smallest parcel [kg]
+    real(wp), intent(in) :: radius  !< of it [m]
     real(wp) :: time
 
-    type(linear_t) :: law
-    real(wp) :: stiffness, restitution
+    type(contact_law_t) :: pair, wall
 
-    associate (contact => case%contact)
-      law = new_linear(contact%stiffness, contact%tangential_ratio, contact%restitution, &
-                       contact%tangential_damping_ratio, contact%friction)
-      time = law%contact_time(mass/2)
-      stiffness = contact%stiffness
-      restitution = contact%restitution
-      if (is_set(contact%wall_stiffness)) stiffness = contact%wall_stiffness
-      if (is_set(contact%wall_restitution)) restitution = contact%wall_restitution
-      law = new_linear(stiffness, contact%tangential_ratio, restitution, contact%tangential_damping_ratio, contact%friction)
-      time = min(time, law%contact_time(mass))
-    end associate
+    pair = new_pair_law(case%contact)
+    wall = new_wall_law(case%contact)
+    time = min(pair%contact_time(mass/2, radius/2, case%contact%impact_velocity), &
+               wall%contact_time(mass, radius, case%contact%impact_velocity))
   end function shortest_contact
 
 end module parcel_plan

@@ -1,4 +1,5 @@
 !> Contacts of parcels scaled from those of particles: what the case makes of it, and what the collisions are like.
+! ranks: 1
 program test_coarse_graining
   use case, only: case_t
   use case_reading, only: read_case_text

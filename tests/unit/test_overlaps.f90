@@ -6,7 +6,7 @@ program test_overlaps
   use contact_settings, only: contact_settings_t
   use des_scenes, only: scene, put, run
   use kinds, only: wp
-  use overlap_report, only: stiffness_factor
+  use overlap_report, only: stiffness_factor, modulus_factor
   use solids, only: solids_t
   use solids_statistics, only: statistics_t, find_statistics
   implicit none
@@ -30,6 +30,16 @@ contains
     contact%stiffness = k
     contact%restitution = 1.0_wp
   end function linear
+
+  pure function hertz(modulus) result(contact)
+    real(wp), intent(in) :: modulus  !< [Pa]
+    type(contact_settings_t) :: contact
+
+    contact%law = 'hertz'
+    contact%youngs_modulus = modulus
+    contact%poisson_ratio = 0.3_wp
+    contact%restitution = 1.0_wp
+  end function hertz
 
   !> Pairs whose overlaps lie on either side of 1, 5 and 10 % of the smaller radius, and a ball in a wall.
   subroutine count_shares()
@@ -63,14 +73,19 @@ contains
     real(wp), parameter :: soft = 2.0_wp, wanted = 0.1_wp
     real(wp) :: found
 
-    found = deepest(soft)
+    found = deepest(linear(soft))
     call expect(found > 0.2_wp, 'the soft pair overlaps much')
-    call expect_close(deepest(soft*stiffness_factor(found, wanted)), wanted, 2.0e-3_wp, 'the stiffness advised keeps what it says')
+    call expect_close(deepest(linear(soft*stiffness_factor(found, wanted))), wanted, 2.0e-3_wp, &
+                      'the stiffness advised keeps what it says')
+    found = deepest(hertz(3.0e4_wp))
+    call expect(found > 0.2_wp, 'so does a pair of soft material')
+    call expect_close(deepest(hertz(3.0e4_wp*modulus_factor(found, wanted))), wanted, 2.0e-3_wp, &
+                      'the modulus advised keeps what it says')
   end subroutine follow_advice
 
   !> Largest overlap of two equal parcels that meet at 1 m/s [-].
-  function deepest(k)
-    real(wp), intent(in) :: k  !< [N/m]
+  function deepest(contact)
+    type(contact_settings_t), intent(in) :: contact
     real(wp) :: deepest
 
     type(solids_t) :: solids
@@ -78,7 +93,7 @@ contains
     real(wp) :: dt
     integer :: step
 
-    solids = scene(comm, [0.01_wp, 0.01_wp, 0.01_wp], 0.0_wp, linear(k))
+    solids = scene(comm, [0.01_wp, 0.01_wp, 0.01_wp], 0.0_wp, contact)
     call put(solids, reshape([4.45_wp, 5.0_wp, 5.0_wp, 5.55_wp, 5.0_wp, 5.0_wp]*1.0e-3_wp, [3, 2]), &
              reshape([0.5_wp, 0.0_wp, 0.0_wp, -0.5_wp, 0.0_wp, 0.0_wp], [3, 2]), [d, d])
     dt = 0.2_wp*solids%time_step_limit()

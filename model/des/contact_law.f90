@@ -1,0 +1,130 @@
+!> The law of contacts of one pair of materials, as the case chose it. It is asked for a block of pairs at a time, so
+!> that the choice costs nothing.
+module contact_law
+  use constants, only: is_set
+  use contact_hertz, only: hertz_t, new_hertz, elastic_t, hertz_friction_forces, hertz_frictionless_forces
+  use contact_linear, only: linear_t, new_linear, linear_friction_forces, linear_frictionless_forces
+  use contact_settings, only: contact_settings_t
+  use kinds, only: wp
+  implicit none
+  private
+  public :: contact_law_t, new_pair_law, new_wall_law, friction_forces, frictionless_forces
+
+  type :: contact_law_t
+    logical :: hertzian = .false.    !< whether it is `hertz`, else `linear`
+    type(linear_t) :: linear
+    type(hertz_t) :: hertz
+    real(wp) :: mu = 0.0_wp          !< Coulomb friction [-]
+  contains
+    procedure :: set_step
+    procedure :: contact_time
+  end type contact_law_t
+
+contains
+
+  !> Between two parcels.
+  pure function new_pair_law(settings) result(law)
+    type(contact_settings_t), intent(in) :: settings
+    type(contact_law_t) :: law
+
+    type(elastic_t) :: material
+
+    law%hertzian = settings%law == 'hertz'
+    law%mu = settings%friction
+    if (law%hertzian) then
+      material = elastic_t(settings%youngs_modulus, settings%poisson_ratio)
+      law%hertz = new_hertz(material, material, settings%restitution, settings%tangential_damping_ratio, law%mu)
+    else
+      law%linear = new_linear(settings%stiffness, settings%tangential_ratio, settings%restitution, &
+                              settings%tangential_damping_ratio, law%mu)
+    end if
+  end function new_pair_law
+
+  !> Between a parcel and a wall. What is not set for walls is as between parcels.
+  pure function new_wall_law(settings) result(law)
+    type(contact_settings_t), intent(in) :: settings
+    type(contact_law_t) :: law
+
+    type(elastic_t) :: parcel, wall
+    real(wp) :: restitution
+
+    law%hertzian = settings%law == 'hertz'
+    law%mu = given(settings%wall_friction, settings%friction)
+    restitution = given(settings%wall_restitution, settings%restitution)
+    if (law%hertzian) then
+      parcel = elastic_t(settings%youngs_modulus, settings%poisson_ratio)
+      wall = elastic_t(given(settings%wall_youngs_modulus, settings%youngs_modulus), &
+                       given(settings%wall_poisson_ratio, settings%poisson_ratio))
+      law%hertz = new_hertz(parcel, wall, restitution, settings%tangential_damping_ratio, law%mu)
+    else
+      law%linear = new_linear(given(settings%wall_stiffness, settings%stiffness), settings%tangential_ratio, restitution, &
+                              settings%tangential_damping_ratio, law%mu)
+    end if
+  end function new_wall_law
+
+  pure function given(key, default)
+    real(wp), intent(in) :: key, default
+    real(wp) :: given
+
+    given = merge(key, default, is_set(key))
+  end function given
+
+  !> The length of the steps that follow, and the number of the next.
+  pure subroutine set_step(self, dt, step)
+    class(contact_law_t), intent(inout) :: self
+    real(wp), intent(in) :: dt    !< [s]
+    real(wp), intent(in) :: step
+
+    self%linear%dt = dt
+    self%linear%step = step
+    self%hertz%dt = dt
+    self%hertz%step = step
+  end subroutine set_step
+
+  !> Time a collision takes [s].
+  pure function contact_time(self, effective_mass, effective_radius, speed) result(time)
+    class(contact_law_t), intent(in) :: self
+    real(wp), intent(in) :: effective_mass    !< [kg]
+    real(wp), intent(in) :: effective_radius  !< hertz: [m]
+    real(wp), intent(in) :: speed             !< hertz: of the approach [m/s]
+    real(wp) :: time
+
+    if (self%hertzian) then
+      time = self%hertz%contact_time(effective_mass, effective_radius, speed)
+    else
+      time = self%linear%contact_time(effective_mass)
+    end if
+  end function contact_time
+
+  !> Forces of n touching pairs with friction, n a multiple of `lanes`: see `linear_friction_forces`.
+  pure subroutine friction_forces(law, n, pair, spin, slip, force)
+    type(contact_law_t), intent(in) :: law
+    integer, intent(in) :: n
+    real(wp), intent(in) :: pair(8, n)     !< x_i - x_j, r_i + r_j [m], v_i - v_j [m/s], 1/m_i + 1/m_j [1/kg]
+    real(wp), intent(in) :: spin(4, n)     !< r_i omega_i + r_j omega_j [m/s], 1/r_i + 1/r_j [1/m]
+    real(wp), intent(inout) :: slip(4, n)  !< tangential slip [m], step of the last touch
+    real(wp), intent(out) :: force(8, n)   !< 1:3 force on i, 5:7 torque over radius [N]
+
+    if (law%hertzian) then
+      call hertz_friction_forces(law%hertz, n, pair, spin, slip, force)
+    else
+      call linear_friction_forces(law%linear, n, pair, spin, slip, force)
+    end if
+  end subroutine friction_forces
+
+  !> Forces of n touching pairs without friction, n a multiple of `lanes`.
+  pure subroutine frictionless_forces(law, n, pair, curvature, force)
+    type(contact_law_t), intent(in) :: law
+    integer, intent(in) :: n
+    real(wp), intent(in) :: pair(8, n)     !< as above
+    real(wp), intent(in) :: curvature(n)   !< 1/r_i + 1/r_j [1/m]; read by hertz only
+    real(wp), intent(out) :: force(4, n)   !< 1:3 force on i [N]
+
+    if (law%hertzian) then
+      call hertz_frictionless_forces(law%hertz, n, pair, curvature, force)
+    else
+      call linear_frictionless_forces(law%linear, n, pair, force)
+    end if
+  end subroutine frictionless_forces
+
+end module contact_law
