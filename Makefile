@@ -125,6 +125,10 @@ bench: venv
 	@$(MAKE) --no-print-directory -s bench_programs
 	@$(VENV)/bin/python tests/bench/run.py $(B) build/bench.json
 
+bench-peers: venv
+	@$(MAKE) --no-print-directory -s bench_programs
+	@$(VENV)/bin/python tests/bench/peers.py $(B) build/bench_peers.json
+
 bench_programs: $(BENCHES)
 
 clean:
@@ -133,8 +137,8 @@ clean:
 help:
 	@sh src/build/help.sh
 
-.PHONY: build build/geldart unit deps venv run compare validate test lint bench bench_programs clean help always
+.PHONY: build build/geldart unit deps venv run compare validate test lint bench bench-peers bench_programs clean help always
 .SECONDARY:
-ifneq (,$(filter-out deps venv run compare validate test lint bench clean help,$(or $(MAKECMDGOALS),build)))
+ifneq (,$(filter-out deps venv run compare validate test lint bench bench-peers clean help,$(or $(MAKECMDGOALS),build)))
 include $(B)/deps.mk
 endif

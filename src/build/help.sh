@@ -10,6 +10,7 @@ make unit          build the test programs of this MODE
 make lint          style, layers, whitespace
 make validate      every validate.py of cases/: physics against what it must be
 make bench         measure speeds into build/bench.json
+make bench-peers   time the contact loop in turn with LAMMPS and LIGGGHTS, where these are installed
 make clean         remove build/
 
 Variables (on the command line, or in a file config.mk beside the Makefile):
