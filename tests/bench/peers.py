@@ -3,8 +3,8 @@
 usage: peers.py build/release build/bench_peers.json [RUNS]
 
 50 000 spheres of 1 mm, k_n = 200 N/m, k_t = 2/7 k_n, e = 0.9, mu = 0.1, five plane walls, a step of t_c/50, shaken at 50 Hz; one
-core each, the medians of RUNS (five) runs. Neighbour lists of the peers reach 0.1 mm beyond contact and are made anew when
-a particle has gone half of that, looked at every 10 steps. Where they are not installed: apt-get install lammps liggghts.
+core each, the medians of RUNS (five) runs. All make new neighbour lists every 200 steps, which counts; those of the peers reach
+0.1 mm beyond contact, ours 0.25 mm. Only the parameters are the same, trajectories are not compared. Where they are not installed: apt-get install lammps liggghts.
 """
 
 import json
@@ -36,7 +36,7 @@ newton off
 {{velocities}}
 read_data bed.data
 neighbor 1e-4 bin
-neigh_modify delay 0 every 10 check yes
+neigh_modify delay 0 every 200 check no
 {{law}}
 fix move all nve/sphere
 variable pull equal 9.81*(1+0.5*sin(2*PI*50*step*{STEP}))
@@ -105,7 +105,7 @@ def main(build, result, runs=5):
     for name, rate in median.items():
         spread = f"{min(rates[name]) / 1e6:.2f} to {max(rates[name]) / 1e6:.2f}"
         print(f"  {name:10} {rate / 1e6:6.2f} M particle-steps/s ({spread})   geldart is {median['geldart'] / rate:.2f} times as fast")
-    Path(result).write_text(json.dumps({f"peers_{name}": {"value": rate, "unit": "particle-steps/s"}
+    Path(result).write_text(json.dumps({f"peers_{name}": {"value": rate, "unit": "particle-steps/s", "runs": rates[name]}
                                         for name, rate in median.items()}, indent=1) + "\n")
 
 
