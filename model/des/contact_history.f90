@@ -2,7 +2,7 @@
 !>
 !> A record belongs to a parcel of mine; it names the partner by its column as long as that is mine as well, and
 !> by its id otherwise. A pair whose partners are mine has one record; a pair with a ghost has one on either side.
-!> Faces of the chamber are partners with the id -face.
+!> Walls are partners with the id -face, as the chamber numbers them.
 module contact_history
   use contact_list, only: contact_list_t
   use kinds, only: wp, i8
@@ -99,10 +99,11 @@ contains
     type(parcels_t), intent(in) :: parcels
     real(wp), intent(in) :: step  !< number of the last step
 
-    integer :: first_wall(parcels%n), m, w, k, i, j
+    integer :: first_wall(parcels%n), next_wall(walls%entries), m, w, k, i, j
 
-    first_wall = walls%entries + 1
+    first_wall = 0
     do w = walls%entries, 1, -1
+      next_wall(w) = first_wall(walls%parcel(w))
       first_wall(walls%parcel(w)) = w
     end do
     do m = 1, self%n
@@ -120,9 +121,10 @@ contains
       else if (self%other_id(m) > 0) then
         call restore_image(list, parcels, i, self%other_id(m), [self%slip(:, m), step])
       else
-        do w = first_wall(i), walls%entries
-          if (walls%parcel(w) /= i) exit
+        w = first_wall(i)
+        do while (w > 0)
           if (walls%face(w) == -self%other_id(m)) walls%slip(:, w) = [self%slip(:, m), step]
+          w = next_wall(w)
         end do
       end if
     end do

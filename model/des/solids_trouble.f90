@@ -47,6 +47,7 @@ contains
       associate (s => parcels%state(1:7, i))
         if (.not. all(abs(s) <= huge(1.0_wp))) return
         if (any((closed(1, :) .and. s(1:3) < chamber%lower) .or. (closed(2, :) .and. s(1:3) > chamber%upper))) return
+        if (chamber%is_beyond(s(1:3), s(4))) return
       end associate
     end do
     i = 0

@@ -1,7 +1,7 @@
-!> Contacts of parcels with the plane faces of the chamber.
+!> Contacts of parcels with the plane faces of the chamber and the walls within it.
 !>
-!> A wall is a partner of infinite mass and no radius or curvature in the parcel's foot point on the plane; the law is the one
-!> of parcels, with the constants of the wall.
+!> A wall is a partner of infinite mass and no radius or curvature in the parcel's foot point, the nearest point of the wall,
+!> and moves as its surface does there; the law is the one of parcels, with the constants of the wall.
 module walls
   use contact_lanes, only: lanes
   use contact_law, only: contact_law_t, friction_forces, frictionless_forces
@@ -15,11 +15,13 @@ module walls
 
   integer, parameter :: block_pairs = 64  !< contacts given to the law at a time
 
-  !> Parcels that touch a wall or may do so before the list is made again, ordered by column.
+  !> Parcels that touch a wall or may do so before the list is made again: first those of the faces, then of planes, then of
+  !> shells, each ordered by column.
   type :: wall_list_t
     logical :: with_history = .false.
     integer :: entries = 0
-    integer :: through = 0                !< column of a parcel whose centre is beyond a wall, 0 if there is none
+    integer :: kind_end(3) = 0            !< last entry of faces, of planes, of shells
+    integer :: through = 0                !< column of a parcel that is beyond a wall, 0 if there is none
     integer, allocatable :: parcel(:)     !< (entries) column
     integer, allocatable :: face(:)       !< (entries) see chamber
     real(wp), allocatable :: slip(:,:)    !< (4, entries) 1:3 tangential slip [m], 4 step of last touch
@@ -57,6 +59,9 @@ contains
         end do
       end associate
     end do
+    self%kind_end = n
+    if (chamber%n_planes + chamber%n_shells > 0) call add_inner(self, chamber, parcels, margin)
+    n = self%kind_end(3)
     self%entries = n
     if (.not. self%with_history) return
     if (allocated(self%slip)) deallocate (self%slip)
@@ -65,9 +70,65 @@ contains
     self%slip(4, :) = never
   end subroutine build
 
+  !> The entries of planes and shells.
+  subroutine add_inner(self, chamber, parcels, margin)
+    type(wall_list_t), intent(inout) :: self
+    type(chamber_t), intent(in) :: chamber
+    type(parcels_t), intent(in) :: parcels
+    real(wp), intent(in) :: margin  !< [m]
+
+    integer :: i, m
+
+    do i = 1, parcels%n
+      associate (s => parcels%state(1:4, i))
+        do m = 1, chamber%n_planes
+          if (chamber%planes(m)%distance(s(1:3)) > s(4) + margin) cycle
+          call add_entry(self, 2, i, n_faces + m)
+        end do
+      end associate
+    end do
+    self%kind_end(3) = self%kind_end(2)
+    do i = 1, parcels%n
+      associate (s => parcels%state(1:4, i))
+        do m = 1, chamber%n_shells
+          if (chamber%shells(m)%distance(s(1:3)) > s(4) + margin) cycle
+          call add_entry(self, 3, i, n_faces + chamber%n_planes + m)
+        end do
+      end associate
+    end do
+  end subroutine add_inner
+
+  subroutine add_entry(self, kind, i, face)
+    type(wall_list_t), intent(inout) :: self
+    integer, intent(in) :: kind, i, face
+
+    integer :: n
+
+    n = self%kind_end(kind) + 1
+    if (n > size(self%parcel)) then
+      self%parcel = [self%parcel, self%parcel]
+      self%face = [self%face, self%face]
+    end if
+    self%parcel(n) = i
+    self%face(n) = face
+    self%kind_end(kind) = n
+  end subroutine add_entry
+
   !> Add the forces and torques of all walls.
   pure subroutine sweep(self, chamber, law, parcels)
     class(wall_list_t), intent(inout) :: self
+    type(chamber_t), intent(in) :: chamber
+    type(contact_law_t), intent(in) :: law
+    type(parcels_t), intent(inout) :: parcels
+
+    self%through = 0
+    call sweep_faces(self, chamber, law, parcels)
+    if (chamber%n_planes > 0) call sweep_planes(self, chamber, law, parcels)
+    if (chamber%n_shells > 0) call sweep_shells(self, chamber, law, parcels)
+  end subroutine sweep
+
+  pure subroutine sweep_faces(self, chamber, law, parcels)
+    type(wall_list_t), intent(inout) :: self
     type(chamber_t), intent(in) :: chamber
     type(contact_law_t), intent(in) :: law
     type(parcels_t), intent(inout) :: parcels
@@ -76,8 +137,7 @@ contains
     integer :: touching(block_pairs), n, w
 
     n = 0
-    self%through = 0
-    do w = 1, self%entries
+    do w = 1, self%kind_end(1)
       associate (s => parcels%state(1:8, self%parcel(w)), face => self%face(w))
         d = chamber%distance(face, s(1:3))
         if (.not. d > 0.0_wp) then
@@ -95,7 +155,70 @@ contains
       end if
     end do
     if (n > 0) call apply(self, law, touching(1:n), pair, parcels)
-  end subroutine sweep
+  end subroutine sweep_faces
+
+  pure subroutine sweep_planes(self, chamber, law, parcels)
+    type(wall_list_t), intent(inout) :: self
+    type(chamber_t), intent(in) :: chamber
+    type(contact_law_t), intent(in) :: law
+    type(parcels_t), intent(inout) :: parcels
+
+    real(wp) :: pair(8, block_pairs), d
+    integer :: touching(block_pairs), n, w
+
+    n = 0
+    do w = self%kind_end(1) + 1, self%kind_end(2)
+      associate (s => parcels%state(1:8, self%parcel(w)), plane => chamber%planes(self%face(w) - n_faces))
+        d = plane%distance(s(1:3))
+        if (.not. d > 0.0_wp) then
+          self%through = self%parcel(w)
+        else if (d < s(4)) then
+          n = n + 1
+          touching(n) = w
+          pair(1:3, n) = d*plane%normal
+          pair(4:8, n) = s(4:8)
+          pair(5:7, n) = s(5:7) - plane%motion%at(s(1:3) - pair(1:3, n))
+        end if
+      end associate
+      if (n == block_pairs) then
+        call apply(self, law, touching(1:n), pair, parcels)
+        n = 0
+      end if
+    end do
+    if (n > 0) call apply(self, law, touching(1:n), pair, parcels)
+  end subroutine sweep_planes
+
+  pure subroutine sweep_shells(self, chamber, law, parcels)
+    type(wall_list_t), intent(inout) :: self
+    type(chamber_t), intent(in) :: chamber
+    type(contact_law_t), intent(in) :: law
+    type(parcels_t), intent(inout) :: parcels
+
+    real(wp) :: pair(8, block_pairs), way(3), d
+    integer :: touching(block_pairs), n, w, m
+
+    n = 0
+    do w = self%kind_end(2) + 1, self%kind_end(3)
+      m = self%face(w) - n_faces - chamber%n_planes
+      associate (s => parcels%state(1:8, self%parcel(w)), shell => chamber%shells(m))
+        call chamber%approach_shell(m, s(1:3), way, d)
+        if (shell%is_beyond(d, s(4))) then
+          self%through = self%parcel(w)
+        else if (d < s(4)) then
+          n = n + 1
+          touching(n) = w
+          pair(1:3, n) = way
+          pair(4:8, n) = s(4:8)
+          pair(5:7, n) = s(5:7) - shell%motion%at(s(1:3) - way)
+        end if
+      end associate
+      if (n == block_pairs) then
+        call apply(self, law, touching(1:n), pair, parcels)
+        n = 0
+      end if
+    end do
+    if (n > 0) call apply(self, law, touching(1:n), pair, parcels)
+  end subroutine sweep_shells
 
   !> Forces of a block of contacts with walls. Lanes left over repeat the last contact.
   pure subroutine apply(self, law, touching, pair, parcels)

@@ -16,6 +16,7 @@ module case
   use powder_settings, only: powder_settings_t, declare_powder
   use run_settings, only: run_settings_t, declare_run
   use table_settings, only: table_settings_t, declare_table
+  use wall_settings, only: wall_settings_t, declare_wall
   implicit none
   private
   public :: case_t, declare_case
@@ -35,6 +36,7 @@ module case
     type(powder_settings_t), allocatable :: powders(:)
     type(parcels_settings_t) :: parcels
     type(fill_settings_t), allocatable :: fills(:)
+    type(wall_settings_t), allocatable :: walls(:)
     type(contact_settings_t) :: contact
     type(des_settings_t) :: des
     type(coupling_settings_t) :: coupling
@@ -115,6 +117,13 @@ contains
     do i = 1, size(case%fills)
       call keys%open(i)
       call declare_fill(case%fills(i), keys)
+    end do
+    call keys%group('wall', 'a plane, cylinder or cone in the domain', 'optional, with &parcels; the gas passes through it', &
+                    unwanted=.not. case%with_parcels, repeated=.true.)
+    allocate (case%walls(keys%number()))
+    do i = 1, size(case%walls)
+      call keys%open(i)
+      call declare_wall(case%walls(i), keys)
     end do
     call keys%group('contact', 'springs, dashpots and friction', when, &
                     required=case%with_parcels, unwanted=.not. case%with_parcels)

@@ -8,6 +8,7 @@ module case_checks
   use outcome, only: outcome_t
   use parcel_plan, only: parcel_plan_t, new_parcel_plan
   use text, only: brief, shown
+  use wall_checks, only: check_walls
   implicit none
   private
   public :: check_case
@@ -39,6 +40,7 @@ contains
     call check_regions(case, keys)
     call check_monitors(case, keys)
     call check_fills(case, keys)
+    call check_walls(case, keys)
   end subroutine check_case
 
   !> An incompressible gas that flows in must flow out.

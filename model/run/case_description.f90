@@ -94,10 +94,31 @@ contains
       call describe_fill(case, i, plan, unit)
       if (plan%known) shortest = min(shortest, plan%contact_time)
     end do
+    call describe_walls(case, unit)
     call describe_contact(case, shortest, unit)
     if (case%with_gas) call line(unit, 'coupling', 'drag of '//trim(case%coupling%drag)//'; the gas sees a void fraction of ' &
                                  //shown(case%coupling%minimum_void_fraction)//' or more')
   end subroutine describe_parcels
+
+  subroutine describe_walls(case, unit)
+    type(case_t), intent(in) :: case
+    integer, intent(in) :: unit
+
+    character(len=:), allocatable :: text
+    integer :: i
+
+    do i = 1, size(case%walls)
+      associate (wall => case%walls(i))
+        text = trim(wall%id)//': '//trim(wall%kind)
+        if (wall%kind == 'cylinder' .and. wall%has_length()) text = text//' '//shown(wall%length)//' m long'
+        if (wall%kind == 'cylinder' .and. .not. wall%has_length()) text = text//', parcels '//trim(wall%side)
+        if (norm2(wall%velocity) > 0) text = text//', running at '//brief(norm2(wall%velocity))//' m/s'
+        if (norm2(wall%angular_velocity) > 0) text = text//', turning at '//brief(norm2(wall%angular_velocity))//' rad/s'
+        call line(unit, 'wall', text)
+      end associate
+    end do
+    if (case%with_gas .and. size(case%walls) > 0) call line(unit, '', 'the gas passes through walls')
+  end subroutine describe_walls
 
   pure function weighting_words(case) result(words)
     type(case_t), intent(in) :: case

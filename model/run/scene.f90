@@ -23,6 +23,7 @@ module scene
   use solids, only: solids_t
   use text, only: brief, shown
   use timing, only: stopwatch_t
+  use wall_settings, only: wall_settings_t
   implicit none
   private
   public :: scene_t, step_report_t, parts, part_coupling, part_gas, part_parcels, part_output
@@ -86,8 +87,8 @@ contains
     associate (d => case%domain)
       if (.not. self%with_gas) self%mesh = new_mesh(d%lower, d%upper, cells_without_gas(d%upper - d%lower), d%periodic)
     end associate
-    if (self%with_parcels) call self%solids%create(comm, chamber_of(case%domain, case%boundaries), case%contact, case%des, &
-                                                   self%with_gas, tile_width(self))
+    if (self%with_parcels) call self%solids%create(comm, chamber_of(case%domain, case%boundaries, case%walls), &
+                                                   case%contact, case%des, self%with_gas, tile_width(self))
     if (self%with_gas .and. self%with_parcels) then
       call self%coupling%create(self%mesh, self%boxes, case%coupling, case%gas, case%domain%gravity)
     end if
@@ -127,10 +128,12 @@ contains
     if (self%with_gas) width = maxval(self%mesh%h)
   end function tile_width
 
-  !> The box of the parcels: every face is a wall but the periodic ones and those a boundary opens as a whole.
-  pure function chamber_of(domain, boundaries) result(chamber)
+  !> The box of the parcels: every face is a wall but the periodic ones and those a boundary opens as a whole; and the walls
+  !> within it.
+  pure function chamber_of(domain, boundaries, walls) result(chamber)
     type(domain_settings_t), intent(in) :: domain
     type(boundary_settings_t), intent(in) :: boundaries(:)
+    type(wall_settings_t), intent(in) :: walls(:)
     type(chamber_t) :: chamber
 
     integer :: a, b
@@ -140,6 +143,7 @@ contains
     chamber%upper = domain%upper
     chamber%periodic = domain%periodic
     chamber%gravity = domain%gravity
+    call chamber%add_walls(walls)
     do b = 1, size(boundaries)
       if (boundaries(b)%parcels /= 'open') cycle
       do a = 1, 3

@@ -3,6 +3,7 @@ module simulation
   use, intrinsic :: iso_fortran_env, only: output_unit
   use agreement, only: agree
   use case, only: case_t
+  use chamber, only: chamber_t
   use checkpoint, only: write_checkpoint, read_checkpoint
   use cloud, only: cloud_t
   use communicator, only: communicator_t
@@ -122,6 +123,7 @@ contains
     if (self%comm%is_root()) then
       vessel = vessel_t(self%case%domain%lower, self%case%domain%upper, self%case%domain%periodic)
       call generate(self%case%powders, self%case%parcels, self%case%fills, vessel, cloud, self%audits, outcome)
+      if (.not. outcome%failed()) call check_places(self%scene%solids%chamber, self%case, cloud, outcome)
     end if
     call agree(self%comm, outcome)
     if (outcome%failed()) return
@@ -131,6 +133,23 @@ contains
                                cloud%powder, cloud%id)
     outcome = self%scene%solids%trouble
   end subroutine fill_vessel
+
+  !> No parcel starts beyond a wall; where a fill is a box that is known already.
+  pure subroutine check_places(chamber, case, cloud, outcome)
+    type(chamber_t), intent(in) :: chamber
+    type(case_t), intent(in) :: case
+    type(cloud_t), intent(in) :: cloud
+    type(outcome_t), intent(inout) :: outcome
+
+    integer :: i
+
+    do i = 1, cloud%n
+      if (.not. chamber%is_beyond(cloud%position(:, i), 0.5_wp*cloud%contact_diameter(i))) cycle
+      call outcome%fail(exit_input, '&fill('//trim(case%fills(cloud%fill(i))%id)//'): its parcel at '// &
+                        shown(cloud%position(:, i))//' m is beyond a &wall, or in one')
+      return
+    end do
+  end subroutine check_places
 
   subroutine open_files(self, outcome)
     class(simulation_t), intent(inout) :: self
