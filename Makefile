@@ -31,7 +31,8 @@ FFLAGS        = $(STANDARD) $($(MODE)_FLAGS)
 B       := build/$(MODE)
 SRC     := $(shell find src model -name '*.f90' | LC_ALL=C sort)
 CHECKS  := $(shell find tests -name '*.f90' | LC_ALL=C sort)
-TESTS   := $(foreach f,$(CHECKS),$(if $(filter test_%,$(notdir $f)),$(f:%.f90=$(B)/%)))
+TESTS   := $(foreach f,$(CHECKS),$(if $(filter test_% verify_%,$(notdir $f)),$(f:%.f90=$(B)/%)))
+VERIFY  := $(filter $(B)/tests/verification/%,$(TESTS))
 BENCHES := $(patsubst %.f90,$(B)/%,$(filter tests/bench/bench_%.f90,$(CHECKS)))
 TEXTS    = $(sort $(wildcard src/build/* doc/*.md cases/*.py cases/*/*.md cases/*/*.py cases/*/*.nml tests/*.py tests/*/*.py tests/*/*.nml))
 LAYERS   = src/base src/parallel src/grid src/linear src/io model/gas,model/des,model/psd model/coupling model/run src
@@ -121,6 +122,12 @@ lint: venv
 	$(VENV)/bin/fortitude check --quiet --output-format concise src model tests || status=1; \
 	exit $$status
 
+verify: venv
+	@$(MAKE) --no-print-directory -s MODE=release verify_programs
+	@$(VENV)/bin/python tests/verification/verify.py build/release
+
+verify_programs: $(VERIFY)
+
 bench: venv
 	@$(MAKE) --no-print-directory -s bench_programs
 	@$(VENV)/bin/python tests/bench/run.py $(B) build/bench.json
@@ -137,8 +144,8 @@ clean:
 help:
 	@sh src/build/help.sh
 
-.PHONY: build build/geldart unit deps venv run compare validate test lint bench bench-peers bench_programs clean help always
+.PHONY: build build/geldart unit deps venv run compare validate test lint verify verify_programs bench bench-peers bench_programs clean help always
 .SECONDARY:
-ifneq (,$(filter-out deps venv run compare validate test lint bench bench-peers clean help,$(or $(MAKECMDGOALS),build)))
+ifneq (,$(filter-out deps venv run compare validate test lint verify bench bench-peers clean help,$(or $(MAKECMDGOALS),build)))
 include $(B)/deps.mk
 endif

@@ -9,6 +9,7 @@ make deps          install what is missing (apt, as root or by sudo; and the Pyt
 make unit          build the test programs of this MODE
 make lint          style, layers, whitespace
 make validate      every validate.py of cases/: physics against what it must be
+make verify        verification: fill tests/verification/checks.csv, make tables and pictures of doc/verification.md
 make bench         measure speeds into build/bench.json
 make bench-peers   time the contact loop in turn with LAMMPS and LIGGGHTS, where these are installed
 make clean         remove build/

@@ -1,0 +1,114 @@
+"""Pictures of doc/verification.md: curves the programs printed, and errors of checks.csv beside MFIX's."""
+
+import matplotlib
+import numpy as np
+
+from catalogue import error_of
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt  # noqa: E402
+
+OURS, EXACT, PEER = "#1f6fb4", "0.25", "#d1762b"
+STYLE = {"font.size": 8, "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True, "grid.alpha": 0.3,
+         "legend.frameon": False, "lines.linewidth": 1.2, "figure.dpi": 110, "figure.constrained_layout.use": True}
+
+
+def series(curves, name):
+    return np.array(curves[name]).T
+
+
+def fall(rows, curves):
+    figure, (path, errors) = plt.subplots(1, 2, figsize=(6.4, 2.5))
+    for e, shade in (("1.0", 1), ("0.8", 0.65), ("0.6", 0.4)):
+        t, z, exact = series(curves, f"fall_k25000_e{e}")
+        path.plot(t, exact, color=EXACT, lw=0.8)
+        path.plot(t[::12], z[::12], "o", ms=2.5, color=OURS, alpha=shade, label=f"e {float(e):g}")
+        errors.plot(t, 1000 * (z - exact), color=OURS, alpha=shade, label=f"e {float(e):g}")
+    path.set(xlabel="time, s", ylabel="height, m", title="k 25 000 N/m; line: exact")
+    errors.set(xlabel="time, s", ylabel="error, mm", title="where the error arises")
+    path.legend()
+    errors.legend()
+    return figure
+
+
+def squeezed(rows, curves):
+    figure, axes = plt.subplots(1, 2, figsize=(6.4, 2.5))
+    for e, shade in (("1.0", 1), ("0.9", 0.65), ("0.5", 0.4)):
+        t, z, exact = series(curves, f"squeezed_e{e}")
+        if e != "1.0":
+            near = t < 0.12
+            axes[0].plot(t[near], exact[near], color=EXACT, lw=0.8)
+            axes[0].plot(t[near][::5], z[near][::5], "o", ms=2.5, color=OURS, alpha=shade, label=f"e {float(e):g}")
+        axes[1].plot(t, 1000 * (z - exact), color=OURS, alpha=shade, lw=0.8, label=f"e {float(e):g}")
+    axes[0].set(xlabel="time, ms", ylabel="rise, um", title="upper ball; line: exact")
+    axes[1].set(xlabel="time, ms", ylabel="error, nm", title="its error")
+    axes[0].legend()
+    axes[1].legend()
+    return figure
+
+
+def oblique(rows, curves):
+    figure, axes = plt.subplots(1, 2, figsize=(6.4, 2.5), sharey=True)
+    for axis, where in zip(axes, ("wall", "pair"), strict=True):
+        for material, mark in (("glass", "o"), ("acetate", "s")):
+            x, found, hard = series(curves, f"oblique_{where}_{material}")
+            axis.plot(x, hard, color=EXACT, lw=0.8)
+            axis.plot(x, found, mark, ms=4, mfc="none", color=OURS, label=material)
+        axis.set(xlabel="$\\Psi_1$", title=f"{where}; line: hard spheres")
+    axes[0].set_ylabel("$\\Psi_2$")
+    axes[0].legend()
+    return figure
+
+
+def order(rows, curves):
+    figure, axis = plt.subplots(figsize=(3.6, 2.6))
+    for name, mark, label in (("order_elastic", "o-", "e 1"), ("order_damped", "s-", "e 0.6")):
+        x, error, _ = series(curves, name)
+        axis.loglog(x, error, mark, ms=4, color=OURS, mfc="none" if "damped" in name else OURS, label=label)
+    x, _, second = series(curves, "order_elastic")
+    axis.loglog(x, second, ":", color=EXACT, label="second order")
+    axis.set_xticks(x, [f"1/{round(1 / share)}" for share in x])
+    axis.minorticks_off()
+    axis.set(xlabel="dt/t_c", ylabel="error of a collision")
+    axis.legend()
+    return figure
+
+
+def cooling(rows, curves):
+    figure, axes = plt.subplots(1, 2, figsize=(6.4, 2.5))
+    for axis, e in zip(axes, ("0.90", "0.95"), strict=True):
+        for phi, mark in (("0.05", "o"), ("0.10", "s"), ("0.15", "^")):
+            x, found, haff = series(curves, f"haff_e{e}_phi{phi}")
+            axis.plot(x[::4], found[::4], mark, ms=3.5, mfc="none", color=OURS, label=f"phi {float(phi):g}")
+        axis.plot(x, haff, color=EXACT, lw=0.8, label="Haff")
+        axis.set(xlabel="t/t_0", ylabel="T/T_0", title=f"e {float(e):g}")
+        axis.legend()
+    return figure
+
+
+def errors(rows, curves):
+    """Every row that has a peer: our error and MFIX's, both over MFIX's, and the half that is allowed."""
+    compared = [row for row in rows if row["peer"]]
+    figure, axis = plt.subplots(figsize=(6.4, 0.17 * len(compared) + 0.7))
+    ratio = [error_of(row) / float(row["peer"]) for row in compared]
+    place = np.arange(len(compared))[::-1]
+    axis.axvspan(0.5, 100, color="0.93", lw=0)
+    axis.axvline(1.0, color=PEER, label="MFIX")
+    axis.plot(ratio, place, "o", ms=4, color=OURS, label="geldart")
+    axis.set_yticks(place, [row["name"] for row in compared], fontsize=6)
+    axis.set(xscale="log", xlim=(min(ratio) / 2, max(2 * max(ratio), 2)), ylim=(-0.7, len(compared) - 0.3),
+             xlabel="error over MFIX's; shaded: more than half of it")
+    axis.legend(loc="upper left", fontsize=7)
+    return figure
+
+
+def draw(rows, curves, folder):
+    """All pictures; their paths. The same rows and curves give the same bytes."""
+    folder.mkdir(exist_ok=True)
+    with plt.rc_context(STYLE):
+        for make in (errors, fall, squeezed, oblique, order, cooling):
+            path = folder / f"{make.__name__}.png"
+            figure = make(rows, curves)
+            figure.savefig(path, metadata={"Software": None})
+            plt.close(figure)
+            yield path
