@@ -11,13 +11,14 @@ program verify_friction
   use spring_contact, only: damping_ratio
   implicit none
 
-  real(wp), parameter :: radius = 0.5e-3_wp
+  real(wp), parameter :: radius = 0.5e-3_wp, usual_ratio = 2.0_wp/7.0_wp
   type(communicator_t) :: comm
 
   call start_ranks(comm)
   call slides()
   call bounces('glass', 0.97_wp, 0.092_wp)
   call bounces('acetate', 0.87_wp, 0.25_wp)
+  call stuck()
   call finish()
   call stop_ranks()
 
@@ -94,7 +95,7 @@ contains
     error = 0
     do k = 1, size(psi_1)
       hard = psi_1(k) - 3.5_wp*(1 + restitution)
-      psi_2 = [off_wall(psi_1(k), restitution, friction), of_pair(psi_1(k), restitution, friction)]
+      psi_2 = [off_wall(psi_1(k), restitution, friction, usual_ratio), of_pair(psi_1(k), restitution, friction, usual_ratio)]
       error(:, 1) = max(error(:, 1), abs(psi_2 - hard))
       if (psi_1(k) > 3.5_wp*(1 + 2*restitution)) error(:, 2) = max(error(:, 2), abs(psi_2 - (hard - 3.5_wp*drawn)))
       call point('oblique_wall_'//material, psi_1(k), psi_2(1), hard)
@@ -106,14 +107,31 @@ contains
     call check_value('oblique_law_pair_'//material, error(2, 2), 0.0_wp)
   end subroutine bounces
 
+  !> Bounces with so much friction that the contact point never slides: it swings on the tangential spring and dashpot,
+  !> against an inertia of 2/7 m*, for as long as the contact lasts. k_t = k_n/14 makes that a quarter of a swing, where
+  !> the outcome depends on k_t the most; gamma_t is half gamma_n.
+  subroutine stuck()
+    real(wp), parameter :: restitution = 0.9_wp, friction = 1.0e4_wp, ratio = 1.0_wp/14.0_wp, psi_1 = 0.5_wp/friction
+    real(wp) :: zeta, duration, decay, omega, expected
+
+    zeta = damping_ratio(restitution)
+    duration = pi/sqrt(1 - zeta**2)  ! times omega_0, as the rates below over it
+    decay = 3.5_wp*0.5_wp*zeta
+    omega = sqrt(3.5_wp*ratio - decay**2)
+    expected = exp(-decay*duration)*(cos(omega*duration) - decay/omega*sin(omega*duration))
+    call check_value('oblique_stuck_wall', off_wall(psi_1, restitution, friction, ratio)/psi_1, expected)
+    call check_value('oblique_stuck_pair', of_pair(psi_1, restitution, friction, ratio)/psi_1, expected)
+  end subroutine stuck
+
   !> Springs so stiff that nothing turns during the contact, in steps of a ten thousandth of it.
-  function stiff(restitution, friction) result(solids)
-    real(wp), intent(in) :: restitution, friction  !< [-]
+  function stiff(restitution, friction, ratio) result(solids)
+    real(wp), intent(in) :: restitution, friction, ratio  !< [-], [-], k_t/k_n [-]
     type(solids_t) :: solids
 
     type(contact_settings_t) :: contact
 
     contact%stiffness = 5.0e11_wp
+    contact%tangential_ratio = ratio
     contact%restitution = restitution
     contact%friction = friction
     solids = scene(comm, [0.01_wp, 0.01_wp, 0.01_wp], 0.0_wp, contact)
@@ -121,14 +139,14 @@ contains
   end function stiff
 
   !> Psi_2 of a ball that hits the floor at 1 m/s.
-  function off_wall(psi_1, restitution, friction) result(psi_2)
-    real(wp), intent(in) :: psi_1, restitution, friction
+  function off_wall(psi_1, restitution, friction, ratio) result(psi_2)
+    real(wp), intent(in) :: psi_1, restitution, friction, ratio  !< [-]
     real(wp) :: psi_2
 
     type(solids_t) :: ball
     real(wp) :: dt
 
-    ball = stiff(restitution, friction)
+    ball = stiff(restitution, friction, ratio)
     call put(ball, reshape([0.005_wp, 0.005_wp, (1 + 1.0e-6_wp)*radius], [3, 1]), &
              reshape([psi_1*friction, 0.0_wp, -1.0_wp], [3, 1]), [2*radius])
     dt = ball%time_step_limit()
@@ -144,14 +162,14 @@ contains
   end function off_wall
 
   !> Psi_2 of two balls that meet at 1 m/s along the line of their centres.
-  function of_pair(psi_1, restitution, friction) result(psi_2)
-    real(wp), intent(in) :: psi_1, restitution, friction
+  function of_pair(psi_1, restitution, friction, ratio) result(psi_2)
+    real(wp), intent(in) :: psi_1, restitution, friction, ratio  !< [-]
     real(wp) :: psi_2
 
     type(solids_t) :: balls
     real(wp) :: x(3, 2), v(3, 2), dt, a(11), b(11)
 
-    balls = stiff(restitution, friction)
+    balls = stiff(restitution, friction, ratio)
     x = 0.005_wp
     x(3, 2) = x(3, 1) - (2 + 1.0e-6_wp)*radius
     v(:, 1) = [psi_1*friction, 0.0_wp, -1.0_wp]/2
