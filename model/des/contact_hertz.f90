@@ -10,11 +10,10 @@
 !> lasts until the overlap is gone, so the force attracts shortly before. xi is the slip as a length, which is
 !> multiplied by the present stiffness (Di Renzo & Di Maio, Chem. Eng. Sci. 59 (2004) 525-541, sec. 2.3).
 !>
-!> Contact point and half-step lag of the velocities are dealt with as in contact_linear, the latter with the
-!> present gamma_n: gamma_n/(1 + gamma_n dt/(4 m_eff)).
+!> The contact point is that of contact_linear, and so is what is done about steps that damp too much, with S for k_n; its dashpot sets in gently.
 module contact_hertz
   use contact_lanes, only: lanes, turn_eight, turn_four
-  use contact_linear, only: damping_ratio
+  use contact_linear, only: damping_ratio, lead_excess
   use kinds, only: wp
   implicit none
   private
@@ -31,6 +30,7 @@ module contact_hertz
     real(wp) :: modulus = 0.0_wp      !< effective Young's modulus E [Pa]
     real(wp) :: shear = 0.0_wp        !< k_t/S = 4 G/E [-]
     real(wp) :: damping = 0.0_wp      !< gamma_n / sqrt(S m_eff) [-]
+    real(wp) :: excess = 0.0_wp       !< by which a step damps too much, over S dt^2/m_eff [-]
     real(wp) :: tangential = 0.0_wp   !< gamma_t / gamma_n [-]
     real(wp) :: mu = 0.0_wp           !< Coulomb friction [-]
     real(wp) :: dt = 0.0_wp           !< time step [s]
@@ -51,6 +51,7 @@ contains
     law%modulus = 1/(compliance(one) + compliance(other))
     law%shear = 4/(law%modulus*(shear_compliance(one) + shear_compliance(other)))
     law%damping = sqrt(10.0_wp/3.0_wp)*damping_ratio(restitution)
+    law%excess = lead_excess(restitution)
     law%tangential = tangential_damping
     law%mu = mu
   end function new_hertz
@@ -112,10 +113,11 @@ contains
     real(wp), intent(in) :: pair(8, lanes), spin(4, lanes), slip(4, lanes)
     real(wp), intent(out) :: forces(lanes, 8), slips(lanes, 4)
 
-    real(wp) :: x, y, z, square, per_d, per_reach, delta, s, gamma_n, v_n, f_n, part, k_t
+    real(wp) :: x, y, z, square, per_d, per_reach, delta, s, gamma_n, v_n, f_n, part, k_t, excess
     real(wp) :: t_x, t_y, t_z, a, b, c, along, gamma_t, f_x, f_y, f_z, cap, back, keep
     integer :: k
 
+    excess = law%excess*law%dt**2
     !$omp simd simdlen(8) private(x, y, z, square, per_d, per_reach, delta, s, gamma_n, v_n, f_n, part, k_t) &
     !$omp& private(t_x, t_y, t_z, a, b, c, along, gamma_t, f_x, f_y, f_z, cap, back, keep)
     do k = 1, lanes
@@ -129,8 +131,7 @@ contains
       ! Normal force. Rounding may leave a pair that just touches without overlap.
       delta = max(pair(4, k) - square*per_d, tiny(delta))
       s = 2*law%modulus*sqrt(delta/spin(4, k))
-      gamma_n = law%damping*sqrt(s/pair(8, k))
-      gamma_n = gamma_n/(1 + 0.25_wp*law%dt*gamma_n*pair(8, k))
+      gamma_n = law%damping*sqrt(s/pair(8, k))/(1 + excess*s*pair(8, k))
       v_n = (pair(5, k)*x + pair(6, k)*y + pair(7, k)*z)*per_d
       f_n = (2.0_wp/3.0_wp)*s*delta - gamma_n*v_n
       k_t = law%shear*s
@@ -201,17 +202,17 @@ contains
     real(wp), intent(in) :: pair(8, lanes), curvature(lanes)
     real(wp), intent(out) :: forces(lanes, 4)
 
-    real(wp) :: square, per_d, delta, s, gamma_n, v_n, f_n
+    real(wp) :: square, per_d, delta, s, gamma_n, v_n, f_n, excess
     integer :: k
 
+    excess = law%excess*law%dt**2
     !$omp simd simdlen(8) private(square, per_d, delta, s, gamma_n, v_n, f_n)
     do k = 1, lanes
       square = pair(1, k)*pair(1, k) + pair(2, k)*pair(2, k) + pair(3, k)*pair(3, k)
       per_d = 1/sqrt(square)
       delta = max(pair(4, k) - square*per_d, tiny(delta))
       s = 2*law%modulus*sqrt(delta/curvature(k))
-      gamma_n = law%damping*sqrt(s/pair(8, k))
-      gamma_n = gamma_n/(1 + 0.25_wp*law%dt*gamma_n*pair(8, k))
+      gamma_n = law%damping*sqrt(s/pair(8, k))/(1 + excess*s*pair(8, k))
       v_n = (pair(5, k)*pair(1, k) + pair(6, k)*pair(2, k) + pair(7, k)*pair(3, k))*per_d
       f_n = ((2.0_wp/3.0_wp)*s*delta - gamma_n*v_n)*per_d
       forces(k, 1) = pair(1, k)*f_n

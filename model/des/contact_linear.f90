@@ -13,16 +13,22 @@
 !> The contact point divides the distance d of the centres as the radii: arms r d/(r_i + r_j). Then torques
 !> and forces together conserve angular momentum exactly.
 !>
-!> Velocities lag positions by half a step, which damps too much: a lag of dt/2 acts on the oscillator as
-!> m_eff - gamma_n dt/2 in place of m_eff. The factor 1/(1 + zeta omega_0 dt/2) on the dashpots restores the
-!> restitution to second order in dt and leaves the static overlap as it is.
+!> Velocities are those of the moment of the positions: see motion. Their extrapolation makes the velocity of an oscillator too
+!> large by 3/8 (omega_0 dt)^2 and the step its period too short by 1/24 of the same, so dashpots are divided by 1 + (5/12 +
+!> zeta) (omega_0 dt)^2, omega_0^2 = k_n/m_eff; the zeta, for heavier damping, is found by trial. At 20 steps in a collision the
+!> restitution is then right to 0.1 % for e of 0.5 and above, 1 % at 0.3.
+!>
+!> A dashpot sets in at full strength, so a step in which a contact begins or ends must count it for as long as the contact
+!> lasts. Of a pair whose overlap is less than what it has moved since the step before, or will move until the next, this is the
+!> first or the last step that finds it touching: it stands for the half of the step on the one side and for the time delta/v
+!> on the other, 1/2 + delta/(v dt) steps of the dashpot. Not so the tangential one, of which the slip keeps account.
 module contact_linear
   use constants, only: pi
   use contact_lanes, only: lanes, turn_eight, turn_four
   use kinds, only: wp
   implicit none
   private
-  public :: linear_t, new_linear, damping_ratio, linear_friction_forces, linear_frictionless_forces
+  public :: linear_t, new_linear, damping_ratio, lead_excess, linear_friction_forces, linear_frictionless_forces
 
   !> Constants of one pair of materials.
   type :: linear_t
@@ -30,6 +36,7 @@ module contact_linear
     real(wp) :: k_t = 0.0_wp          !< tangential stiffness [N/m]
     real(wp) :: per_k_t = 0.0_wp      !< 1/k_t [m/N]
     real(wp) :: damping = 0.0_wp      !< gamma_n / sqrt(m_eff) [sqrt(N/m)]
+    real(wp) :: excess = 0.0_wp       !< by which a step damps too much, over dt^2/m_eff [N/m]
     real(wp) :: tangential = 0.0_wp   !< gamma_t / gamma_n [-]
     real(wp) :: mu = 0.0_wp           !< Coulomb friction [-]
     real(wp) :: dt = 0.0_wp           !< time step [s]
@@ -52,6 +59,7 @@ contains
     law%k_t = k_n*tangential_ratio
     if (law%k_t > 0.0_wp) law%per_k_t = 1/law%k_t
     law%damping = 2*sqrt(k_n)*damping_ratio(restitution)
+    law%excess = lead_excess(restitution)*k_n
     law%tangential = tangential_damping
     law%mu = mu
   end function new_linear
@@ -63,6 +71,14 @@ contains
 
     zeta = abs(log(restitution))/sqrt(pi**2 + log(restitution)**2)
   end function damping_ratio
+
+  !> By which share velocities with a lead damp too much, over (omega_0 dt)^2: see above.
+  elemental function lead_excess(restitution) result(excess)
+    real(wp), intent(in) :: restitution
+    real(wp) :: excess
+
+    excess = 5.0_wp/12.0_wp + damping_ratio(restitution)
+  end function lead_excess
 
   !> Time a collision takes, pi/(omega_0 sqrt(1 - zeta^2)) with omega_0^2 = k_n/m_eff [s].
   pure function contact_time(self, effective_mass)
@@ -104,12 +120,12 @@ contains
     real(wp), intent(in) :: pair(8, lanes), spin(4, lanes), slip(4, lanes)
     real(wp), intent(out) :: forces(lanes, 8), slips(lanes, 4)
 
-    real(wp) :: x, y, z, reach, square, per_d, d, q, q2, share, per_reach, gamma_n, v_n, f_n, part, lag
+    real(wp) :: x, y, z, reach, square, per_d, d, q, share, per_reach, gamma_n, v_n, f_n, part, excess, way
     real(wp) :: t_x, t_y, t_z, a, b, c, along, gamma_t, f_x, f_y, f_z, cap, back, keep
     integer :: k
 
-    lag = law%damping*law%dt/4
-    !$omp simd simdlen(8) private(x, y, z, reach, square, per_d, d, q, q2, share, per_reach, gamma_n, v_n) &
+    excess = law%excess*law%dt**2
+    !$omp simd simdlen(8) private(x, y, z, reach, way, square, per_d, d, q, share, per_reach, gamma_n, v_n) &
     !$omp& private(f_n, part, t_x, t_y, t_z, a, b, c, along, gamma_t, f_x, f_y, f_z, cap, back, keep)
     do k = 1, lanes
       x = pair(1, k)
@@ -120,16 +136,18 @@ contains
       per_d = 1/sqrt(square)
       d = square*per_d
 
-      ! Dashpots: gamma_n = damping sqrt(m_eff)/(1 + lag sqrt(1/m_eff)), one division for it and 1/reach.
-      q2 = pair(8, k)
-      q = sqrt(q2) + lag*q2
+      ! Dashpots: gamma_n = damping sqrt(m_eff)/(1 + excess/m_eff), one division for it and 1/reach.
+      q = sqrt(pair(8, k))*(1 + excess*pair(8, k))
       share = 1/(q*reach)
       per_reach = share*q
+      v_n = (pair(5, k)*x + pair(6, k)*y + pair(7, k)*z)*per_d
       gamma_n = law%damping*share*reach
       gamma_t = law%tangential*gamma_n
+      way = law%dt*max(-v_n, v_n + 0.5_wp*law%dt*pair(8, k)*(law%k_n*(reach - d) - gamma_n*v_n))
+      part = min(reach - d, way)/max(way, tiny(way))
+      gamma_n = gamma_n*merge(0.5_wp + part, 1.0_wp, part < 1.0_wp)
 
       ! Normal force, and the velocity at the contact point without its normal part.
-      v_n = (pair(5, k)*x + pair(6, k)*y + pair(7, k)*z)*per_d
       f_n = law%k_n*(reach - d) - gamma_n*v_n
       part = v_n*per_d
       t_x = pair(5, k) - x*part - (spin(2, k)*z - spin(3, k)*y)*per_reach
@@ -194,18 +212,21 @@ contains
     real(wp), intent(in) :: pair(8, lanes)
     real(wp), intent(out) :: forces(lanes, 4)
 
-    real(wp) :: square, per_d, q2, gamma_n, v_n, f_n, lag
+    real(wp) :: square, per_d, delta, gamma_n, v_n, f_n, excess, way, part
     integer :: k
 
-    lag = law%damping*law%dt/4
-    !$omp simd simdlen(8) private(square, per_d, q2, gamma_n, v_n, f_n)
+    excess = law%excess*law%dt**2
+    !$omp simd simdlen(8) private(square, per_d, delta, way, part, gamma_n, v_n, f_n)
     do k = 1, lanes
       square = pair(1, k)*pair(1, k) + pair(2, k)*pair(2, k) + pair(3, k)*pair(3, k)
       per_d = 1/sqrt(square)
-      q2 = pair(8, k)
-      gamma_n = law%damping/(sqrt(q2) + lag*q2)
       v_n = (pair(5, k)*pair(1, k) + pair(6, k)*pair(2, k) + pair(7, k)*pair(3, k))*per_d
-      f_n = (law%k_n*(pair(4, k) - square*per_d) - gamma_n*v_n)*per_d
+      delta = pair(4, k) - square*per_d
+      gamma_n = law%damping/(sqrt(pair(8, k))*(1 + excess*pair(8, k)))
+      way = law%dt*max(-v_n, v_n + 0.5_wp*law%dt*pair(8, k)*(law%k_n*delta - gamma_n*v_n))
+      part = min(delta, way)/max(way, tiny(way))
+      gamma_n = gamma_n*merge(0.5_wp + part, 1.0_wp, part < 1.0_wp)
+      f_n = (law%k_n*delta - gamma_n*v_n)*per_d
       forces(k, 1) = pair(1, k)*f_n
       forces(k, 2) = pair(2, k)*f_n
       forces(k, 3) = pair(3, k)*f_n

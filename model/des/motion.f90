@@ -4,16 +4,56 @@
 !>
 !> Second order, exact for a constant acceleration, positions and velocities known at the same time. Between
 !> the steps of one advance the two half drifts are one.
+!>
+!> Dashpots need velocities of the middle of the step, where the forces are: those of its start with a lead of dt/2
+!> times the acceleration of the step before. While parcels advance, `state` holds velocities and spins with their lead,
+!> which contacts read, and `aside` holds them without; between advances `state` has them as they are and `aside` the lead.
 module motion
   use kinds, only: wp
   use parcels, only: parcels_t, coupled_rows, frictional_rows
   implicit none
   private
-  public :: drift, kick_and_drift
+  public :: add_lead, take_lead, drift, kick_and_drift
 
   real(wp), parameter :: per_inertia = 2.5_wp  !< W m r^2 / I of a sphere [-]
 
 contains
+
+  !> Before parcels advance.
+  pure subroutine add_lead(parcels)
+    type(parcels_t), intent(inout) :: parcels
+
+    real(wp) :: v(3)
+    integer :: i
+
+    do i = 1, parcels%n
+      v = parcels%state(5:7, i)
+      parcels%state(5:7, i) = v + parcels%aside(1:3, i)
+      parcels%aside(1:3, i) = v
+      if (.not. parcels%rotation) cycle
+      v = parcels%state(9:11, i)
+      parcels%state(9:11, i) = v + parcels%aside(4:6, i)
+      parcels%aside(4:6, i) = v
+    end do
+  end subroutine add_lead
+
+  !> After parcels have advanced.
+  pure subroutine take_lead(parcels)
+    type(parcels_t), intent(inout) :: parcels
+
+    real(wp) :: v(3)
+    integer :: i
+
+    do i = 1, parcels%n
+      v = parcels%aside(1:3, i)
+      parcels%aside(1:3, i) = parcels%state(5:7, i) - v
+      parcels%state(5:7, i) = v
+      if (.not. parcels%rotation) cycle
+      v = parcels%aside(4:6, i)
+      parcels%aside(4:6, i) = parcels%state(9:11, i) - v
+      parcels%state(9:11, i) = v
+    end do
+  end subroutine take_lead
 
   !> Move all parcels on at their velocity.
   pure subroutine drift(parcels, time, fastest)
@@ -25,7 +65,7 @@ contains
 
     fastest = 0.0_wp
     do i = 1, parcels%n
-      associate (x => parcels%state(1:3, i), v => parcels%state(5:7, i))
+      associate (x => parcels%state(1:3, i), v => parcels%aside(1:3, i))
         x = x + time*v
         fastest = max(fastest, v(1)**2 + v(2)**2 + v(3)**2)
       end associate
@@ -45,25 +85,25 @@ contains
     real(wp) :: drive(coupled_rows, 1)
 
     if (parcels%with_gas) then
-      call move(size(parcels%state, 1), parcels%n, parcels%coupled, 1, [dt, time], parcels%state, parcels%force, &
-                fastest, energy)
+      call move(size(parcels%state, 1), parcels%n, parcels%coupled, 1, [dt, time], parcels%state, parcels%aside, &
+                parcels%force, fastest, energy)
     else
       drive = 0.0_wp
       drive(1:3, 1) = gravity
-      call move(size(parcels%state, 1), parcels%n, drive, 0, [dt, time], parcels%state, parcels%force, &
-                fastest, energy)
+      call move(size(parcels%state, 1), parcels%n, drive, 0, [dt, time], parcels%state, parcels%aside, &
+                parcels%force, fastest, energy)
     end if
   end subroutine kick_and_drift
 
   !> The loop itself. Column 1 + (i-1)*stride of `drive` belongs to parcel i.
-  pure subroutine move(rows, n, drive, stride, times, state, force, fastest, energy)
+  pure subroutine move(rows, n, drive, stride, times, state, aside, force, fastest, energy)
     integer, intent(in) :: rows, n, stride
     real(wp), intent(in) :: drive(coupled_rows, *)      !< 1:3 [m/s2]
     real(wp), intent(in) :: times(2)                    !< of the kick, of the drift [s]
-    real(wp), intent(inout) :: state(rows, *), force(rows/2, *)
+    real(wp), intent(inout) :: state(rows, *), aside(merge(6, 3, rows == frictional_rows), *), force(rows/2, *)
     real(wp), intent(out) :: fastest, energy
 
-    real(wp) :: v(3), square, per_mass, twist
+    real(wp) :: v(3), gain(3), square, per_mass
     integer :: i, column
 
     fastest = 0.0_wp
@@ -71,12 +111,15 @@ contains
     do i = 1, n
       column = 1 + (i - 1)*stride
       per_mass = times(1)*state(8, i)
-      v = state(5:7, i) + (per_mass*force(1:3, i) + times(1)*drive(1:3, column))
-      state(5:7, i) = v
+      gain = per_mass*force(1:3, i) + times(1)*drive(1:3, column)
+      v = aside(1:3, i) + gain
+      aside(1:3, i) = v
+      state(5:7, i) = v + 0.5_wp*gain
       state(1:3, i) = state(1:3, i) + times(2)*v
       if (rows == frictional_rows) then
-        twist = per_inertia*per_mass
-        state(9:11, i) = state(9:11, i) + twist*force(5:7, i)
+        gain = per_inertia*per_mass*force(5:7, i)
+        aside(4:6, i) = aside(4:6, i) + gain
+        state(9:11, i) = aside(4:6, i) + 0.5_wp*gain
         force(5:8, i) = 0.0_wp
       end if
       force(1:4, i) = 0.0_wp

@@ -25,7 +25,7 @@ module parcels
   integer, parameter :: before_row = 7    !< 7:9 velocity at the start of the last gas step [m/s]
   integer, parameter :: coupled_rows = 12
 
-  integer, parameter :: own_rows = 5      !< of a message, besides state and coupled: diameter, weight, built
+  integer, parameter :: own_rows = 5      !< of a message, besides state, aside and coupled: diameter, weight, built
 
   type :: parcels_t
     integer :: n = 0                          !< my own
@@ -36,6 +36,7 @@ module parcels
     real(wp), allocatable :: state(:,:)       !< (16 or 8, capacity), see the rows above
     real(wp), allocatable :: force(:,:)       !< (8 or 4, capacity) contact force 1:3 [N], torque/radius 5:7 [N]
     real(wp), allocatable :: coupled(:,:)     !< (12, capacity) what the gas does, see the rows above
+    real(wp), allocatable :: aside(:,:)       !< (6 or 3, capacity) of velocity and spin, what `state` does not hold: see motion [m/s]
     real(wp), allocatable :: built(:,:)       !< (3, capacity) position when the neighbour list was made [m]
     real(wp), allocatable :: diameter(:)      !< of one real particle [m]
     real(wp), allocatable :: weight(:)        !< real particles per parcel [-]
@@ -82,6 +83,7 @@ contains
     call grow(self%state, merge(frictional_rows, frictionless_rows, self%rotation), capacity)
     call grow(self%force, merge(frictional_force_rows, frictionless_force_rows, self%rotation), capacity)
     if (self%with_gas) call grow(self%coupled, coupled_rows, capacity)
+    call grow(self%aside, merge(6, 3, self%rotation), capacity)
     call grow(self%built, 3, capacity)
     call grow_reals(self%diameter, capacity)
     call grow_reals(self%weight, capacity)
@@ -101,6 +103,7 @@ contains
 
     n = size(order)
     call reorder_rows(size(self%state, 1), order, self%capacity, self%state)
+    call reorder_rows(size(self%aside, 1), order, self%capacity, self%aside)
     call reorder_rows(3, order, self%capacity, self%built)
     if (self%with_gas) call reorder_rows(coupled_rows, order, self%capacity, self%coupled)
     self%diameter(1:n) = self%diameter(order)
@@ -131,7 +134,7 @@ contains
     class(parcels_t), intent(in) :: self
     integer :: packed_rows
 
-    packed_rows = size(self%state, 1) + own_rows
+    packed_rows = size(self%state, 1) + own_rows + size(self%aside, 1)
     if (self%with_gas) packed_rows = packed_rows + coupled_rows
   end function packed_rows
 
@@ -142,16 +145,18 @@ contains
     real(wp), intent(out) :: reals(:,:)      !< (packed_rows, size(columns))
     integer(i8), intent(out) :: longs(:,:)   !< (2, size(columns)): id, powder
 
-    integer :: k, c, rows
+    integer :: k, c, rows, last
 
     rows = size(self%state, 1)
+    last = rows + own_rows + size(self%aside, 1)
     do k = 1, size(columns)
       c = columns(k)
       reals(1:rows, k) = self%state(:, c)
       reals(rows + 1, k) = self%diameter(c)
       reals(rows + 2, k) = self%weight(c)
       reals(rows + 3:rows + own_rows, k) = self%built(:, c)
-      if (self%with_gas) reals(rows + own_rows + 1:, k) = self%coupled(:, c)
+      reals(rows + own_rows + 1:last, k) = self%aside(:, c)
+      if (self%with_gas) reals(last + 1:, k) = self%coupled(:, c)
       longs(:, k) = [self%id(c), int(self%powder(c), i8)]
     end do
   end subroutine pack_rows
@@ -162,17 +167,19 @@ contains
     real(wp), intent(in) :: reals(:,:)
     integer(i8), intent(in) :: longs(:,:)
 
-    integer :: k, c, rows
+    integer :: k, c, rows, last
 
     call self%reserve(self%n + size(reals, 2))
     rows = size(self%state, 1)
+    last = rows + own_rows + size(self%aside, 1)
     do k = 1, size(reals, 2)
       c = self%n + k
       self%state(:, c) = reals(1:rows, k)
       self%diameter(c) = reals(rows + 1, k)
       self%weight(c) = reals(rows + 2, k)
       self%built(:, c) = reals(rows + 3:rows + own_rows, k)
-      if (self%with_gas) self%coupled(:, c) = reals(rows + own_rows + 1:, k)
+      self%aside(:, c) = reals(rows + own_rows + 1:last, k)
+      if (self%with_gas) self%coupled(:, c) = reals(last + 1:, k)
       self%id(c) = longs(1, k)
       self%powder(c) = int(longs(2, k))
     end do

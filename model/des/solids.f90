@@ -16,7 +16,7 @@ module solids
   use ghosts, only: ghosts_t
   use kinds, only: wp, i8
   use migration, only: migrate, nowhere
-  use motion, only: drift, kick_and_drift
+  use motion, only: add_lead, take_lead, drift, kick_and_drift
   use neighbours, only: search_t
   use outcome, only: outcome_t
   use parcels, only: parcels_t, radius_row, mass_row, curvature_row
@@ -135,6 +135,7 @@ contains
         p%state(mass_row, c) = 1/(weight(m)*density(m)*pi/6*diameter(m)**3)
         if (p%rotation) p%state(curvature_row, c) = 1/p%state(radius_row, c)
         p%force(:, c) = 0.0_wp
+        p%aside(:, c) = 0.0_wp
         p%diameter(c) = diameter(m)
         p%weight(c) = weight(m)
         p%powder(c) = powder(m)
@@ -228,16 +229,18 @@ contains
 
     if (self%trouble%failed()) outcome = self%trouble
     if (outcome%failed() .or. steps == 0 .or. self%added == 0) return
+    call add_lead(self%parcels)
     call drift(self%parcels, dt/2, fastest)
     call keep_neighbours(self, dt/2, fastest, .true., outcome)
     do step = 1, steps
-      if (outcome%failed()) return
+      if (outcome%failed()) exit
       call find_forces(self, dt)
       time = merge(dt, dt/2, step < steps)
       call kick_and_drift(self%parcels, self%chamber%gravity, dt, time, fastest, energy)
       self%time = self%time + dt
       call keep_neighbours(self, time, fastest, energy <= huge(1.0_wp) .and. self%walls%through == 0, outcome)
     end do
+    call take_lead(self%parcels)
   end subroutine advance
 
   !> Contact forces and torques of this step.

@@ -15,7 +15,7 @@ module solids_state
   public :: solids_state_t, export_state, import_state, n_scalars, n_counts, parcel_rows
 
   integer, parameter :: n_scalars = 8, n_counts = 4
-  integer, parameter :: plain_rows = 16
+  integer, parameter :: plain_rows = 22
 
   type :: solids_state_t
     ! Of the whole run, the same on all ranks.
@@ -25,9 +25,9 @@ module solids_state
     integer(i8) :: counts(n_counts) = 0_i8      !< parcels added, parcels left, lists made, lists weighed
     integer, allocatable :: owner(:)            !< rank of each tile
     ! Of this rank.
-    !> (16 or 28, n) 1:3 position, 4:6 position when the lists were made [m], 7:9 velocity, 10:12 angular velocity
-    !> times radius [m/s], 13 collision radius [m], 14 inverse mass [1/kg], 15 diameter [m], 16 weight; with gas
-    !> 17:28 the rows of `coupled`, see parcels
+    !> (22 or 34, n) 1:3 position, 4:6 position when the lists were made [m], 7:9 velocity, 10:12 angular velocity
+    !> times radius [m/s], 13 collision radius [m], 14 inverse mass [1/kg], 15 diameter [m], 16 weight, 17:22
+    !> lead of velocity and spin, see motion [m/s]; with gas 23:34 the rows of `coupled`, see parcels
     real(wp), allocatable :: parcels(:,:)
     integer(i8), allocatable :: labels(:,:)     !< (3,n) id, powder, number of contacts
     integer(i8), allocatable :: partner(:)      !< (contacts) id, or -face of a wall; parcel after parcel
@@ -58,6 +58,8 @@ contains
           row(1:16) = [s(1:3), p%built(:, i), s(5:7), 0.0_wp, 0.0_wp, 0.0_wp, s(radius_row), s(mass_row), &
                        p%diameter(i), p%weight(i)]
           if (p%rotation) row(10:12) = s(9:11)
+          row(17:22) = 0.0_wp
+          row(17:16 + size(p%aside, 1)) = p%aside(:, i)
           if (p%with_gas) row(plain_rows + 1:) = p%coupled(:, i)
         end associate
         state%labels(:, i) = [p%id(i), int(p%powder(i), i8), 0_i8]
@@ -176,6 +178,7 @@ contains
         parcels%built(:, i) = row(1:3)
         parcels%diameter(i) = row(15)
         parcels%weight(i) = row(16)
+        parcels%aside(:, i) = row(17:16 + size(parcels%aside, 1))
         if (parcels%with_gas) parcels%coupled(:, i) = row(plain_rows + 1:)
       end associate
       parcels%force(:, i) = 0.0_wp
