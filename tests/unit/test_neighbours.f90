@@ -22,6 +22,8 @@ program test_neighbours
   call clouds(10.0_wp, '1:10')
   call clouds(30.0_wp, '1:30')
   call clouds(1000.0_wp, '1:1000')
+  call at_the_limit(walls, 'between walls')
+  call at_the_limit([.true., .true., .true.], 'with periodic faces all round')
   call late_giant()
   if (comm%is_root()) call finish()
   call stop_ranks()
@@ -179,6 +181,41 @@ contains
       end do
     end do
   end function in_order
+
+  !> Pairs of the largest of each level along an axis, as far apart as a listed pair may be, a hair less or a hair more.
+  subroutine at_the_limit(periodic, name)
+    logical, intent(in) :: periodic(3)
+    character(len=*), intent(in) :: name
+
+    real(wp), parameter :: skin = 0.06e-3_wp, hair(2) = [-1.0e-6_wp, 1.0e-6_wp]
+    type(solids_t) :: solids
+    type(random_t) :: random
+    real(wp) :: x(3, n), diameter(n), way(3), gap
+    integer :: i, a, scenes
+
+    random = new_random(8, 1)
+    do scenes = 1, 4
+      do i = 1, n
+        diameter(i) = largest/2**min(3, int(4*random%uniform()))
+        do a = 1, 3
+          x(a, i) = extent(a)*random%uniform()
+        end do
+      end do
+      do i = 2, n, 2
+        way = 0.0_wp
+        a = 1 + min(2, int(3*random%uniform()))
+        gap = 0.5_wp*(diameter(i - 1) + diameter(i)) + skin*(1 + hair(1 + modulo(i/2, 2)))
+        way(a) = sign(gap, random%uniform() - 0.5_wp)
+        if (abs(x(a, i - 1) + way(a) - 0.5_wp*extent(a)) > 0.5_wp*extent(a) .and. .not. periodic(a)) way = -way
+        x(:, i) = x(:, i - 1) + way
+        where (periodic) x(:, i) = modulo(x(:, i), extent)
+      end do
+      solids = scene(comm, extent, 0.0_wp, material(), periodic)
+      solids%numerics%skin = skin
+      call put(solids, x, 0*x, diameter)
+      call expect_all(all(seen(solids) == near(x, diameter, skin, periodic)), 'pairs at the limit are told apart '//name)
+    end do
+  end subroutine at_the_limit
 
   !> One that is much larger than all before it is seen by them.
   subroutine late_giant()
