@@ -16,26 +16,27 @@ module bins
   contains
     procedure :: span
     procedure :: bin_of
+    procedure :: number_of
     procedure :: sort
   end type bins_t
 
 contains
 
-  !> Lay the lattice over a box, with edges of at least `edge` and about as many bins as parcels at most.
-  pure subroutine span(self, lower, upper, edge, parcels)
+  !> Lay the lattice over a box, with edges of at least `edge` and not many more bins than `most`.
+  pure subroutine span(self, lower, upper, edge, most)
     class(bins_t), intent(inout) :: self
     real(wp), intent(in) :: lower(3), upper(3)  !< [m]
     real(wp), intent(in) :: edge                !< [m]
-    integer, intent(in) :: parcels
+    integer, intent(in) :: most
 
-    integer, parameter :: bins_per_parcel = 4, fewest = 64
+    integer, parameter :: fewest = 64
     real(wp) :: size_of_bin
 
     self%lower = lower
     size_of_bin = edge
     do
       self%n = max(1, int(min((upper - lower)/size_of_bin, 1.0e6_wp)))
-      if (product(real(self%n, wp)) <= real(max(fewest, bins_per_parcel*parcels), wp)) exit
+      if (product(real(self%n, wp)) <= real(max(fewest, most), wp)) exit
       size_of_bin = 1.26_wp*size_of_bin
     end do
     self%per_edge = self%n/max(upper - lower, size_of_bin)
@@ -54,37 +55,47 @@ contains
     bin = min(max(int((x - self%lower)*self%per_edge), 0), self%n - 1)
   end function bin_of
 
-  !> The order that sorts the given columns of `state` by bin; equals keep their order.
-  pure subroutine sort(self, state, start, order)
+  !> The number of a bin from 1, x fastest.
+  pure function number_of(self, x, y, z) result(number)
+    class(bins_t), intent(in) :: self
+    integer, intent(in) :: x, y, z  !< place of the bin, from 0
+    integer :: number
+
+    number = 1 + x + self%n(1)*(y + self%n(2)*z)
+  end function number_of
+
+  !> Sort columns of `state` by bin; equals keep their order. `first` counts their places from before + 1.
+  pure subroutine sort(self, state, before, columns)
     class(bins_t), intent(inout) :: self
     real(wp), intent(in), contiguous :: state(:,:)  !< 1:3 position [m]
-    integer, intent(in) :: start                    !< column before the first to sort
-    integer, intent(out) :: order(:)                !< columns, counted from `start`, in their new order
+    integer, intent(in) :: before                   !< places before the first
+    integer, intent(inout) :: columns(:)
 
-    integer :: i, b, next, count, place(size(order)), bin(3)
+    integer :: i, b, next, count, place(size(columns)), old(size(columns)), bin(3)
 
+    old = columns
     self%first = 0
-    do i = 1, size(order)
-      bin = self%bin_of(state(1:3, start + i))
-      b = 1 + bin(1) + self%n(1)*(bin(2) + self%n(2)*bin(3))
+    do i = 1, size(old)
+      bin = self%bin_of(state(1:3, old(i)))
+      b = self%number_of(bin(1), bin(2), bin(3))
       place(i) = b
       self%first(b) = self%first(b) + 1
     end do
-    next = 1
+    next = before + 1
     do b = 1, size(self%first)
       count = self%first(b)
       self%first(b) = next
       next = next + count
     end do
-    do i = 1, size(order)
+    do i = 1, size(old)
       b = place(i)
-      order(self%first(b)) = i
+      columns(self%first(b) - before) = old(i)
       self%first(b) = self%first(b) + 1
     end do
     do b = size(self%first), 2, -1
       self%first(b) = self%first(b - 1)
     end do
-    self%first(1) = 1
+    self%first(1) = before + 1
   end subroutine sort
 
 end module bins

@@ -1,74 +1,164 @@
 !> Which pairs of parcels may touch before the list is made again.
+!>
+!> Parcels are dealt to levels by size, the smallest first, and each level is sorted into a lattice of its own, with
+!> bins as wide as the range of its largest pair. So a bin holds few parcels however wide the distribution is. A pair
+!> is found by its smaller parcel: in its own level among those behind it, in the levels of larger ones all around.
+!> Columns are counted level after level, so the smaller parcel has the lower column and the pair is in its row.
 module neighbours
   use bins, only: bins_t
   use contact_list, only: contact_list_t
   use kinds, only: wp
-  use parcels, only: parcels_t
+  use parcels, only: parcels_t, radius_row
   implicit none
   private
   public :: search_t
 
-  !> The lattice for my parcels and the same one for ghosts.
-  type :: search_t
+  real(wp), parameter :: factor = 2.0_wp       !< between the sizes of a level, about
+  integer, parameter :: most_levels = 12
+  integer, parameter :: bins_per_parcel = 4    !< of a lattice, at most, over all my parcels
+  real(wp), parameter :: wider = 1 + 1e-9_wp   !< a range that rounding cannot make too short
+
+  !> Parcels of similar size; mine are in the columns first to last.
+  type :: level_t
+    real(wp) :: largest = 0.0_wp            !< radius [m]
+    integer :: first = 1, last = 0
+    integer :: n_ghosts = 0
     type(bins_t) :: own, ghosts
-    logical, allocatable :: near_ghosts(:)  !< whether a bin or one of its 26 neighbours holds a ghost
+    logical, allocatable :: near_ghosts(:)  !< whether a parcel in this bin of `own` may be near a ghost
+  end type level_t
+
+  type :: search_t
+    type(level_t), allocatable :: level(:)  !< the smallest first
+    real(wp), allocatable :: place(:,:)     !< (4,n) 1:3 position, 4 radius of my parcels [m]
+    real(wp), allocatable :: ghost(:,:)     !< (4,n_ghost) the same of ghosts, sorted [m]
+    integer, allocatable :: column(:)       !< (n_ghost) of the ghosts so sorted
   contains
+    procedure :: set_levels
     procedure :: sort_own
     procedure :: build
   end type search_t
 
 contains
 
-  !> The order that sorts my parcels by bins of at least `range`.
-  subroutine sort_own(self, parcels, range, order)
+  !> As many levels as make the sizes in each differ by about `factor`; one for a distribution that is narrower.
+  pure subroutine set_levels(self, smallest, largest)
+    class(search_t), intent(inout) :: self
+    real(wp), intent(in) :: smallest, largest  !< radius [m]
+
+    integer :: l, levels
+
+    levels = min(max(nint(log(largest/smallest)/log(factor)), 1), most_levels)
+    if (allocated(self%level)) deallocate (self%level)
+    allocate (self%level(levels))
+    do l = 1, levels
+      self%level(l)%largest = merge(largest, smallest*(largest/smallest)**(real(l, wp)/levels), l == levels)
+    end do
+  end subroutine set_levels
+
+  !> The order that sorts my parcels by level and bin.
+  pure subroutine sort_own(self, parcels, skin, order)
     class(search_t), intent(inout) :: self
     type(parcels_t), intent(in) :: parcels
-    real(wp), intent(in) :: range      !< [m]
+    real(wp), intent(in) :: skin       !< [m]
     integer, intent(out) :: order(:)   !< (n)
 
-    real(wp) :: lower(3), upper(3)
-    integer :: a
+    real(wp) :: box(3, 2)
+    integer :: l, last(0:size(self%level))
 
-    lower = 0.0_wp
-    upper = 0.0_wp
-    if (parcels%n > 0) then
-      do a = 1, 3
-        lower(a) = minval(parcels%state(a, 1:parcels%n))
-        upper(a) = maxval(parcels%state(a, 1:parcels%n))
-      end do
-    end if
-    call self%own%span(lower, upper, range, parcels%n)
-    call self%own%sort(parcels%state, 0, order)
+    call sort_by_level(self%level, parcels%state, 0, order, last)
+    do l = 1, size(self%level)
+      associate (level => self%level(l), columns => order(last(l - 1) + 1:last(l)))
+        level%first = last(l - 1) + 1
+        level%last = last(l)
+        box = box_around(parcels%state, columns)
+        call level%own%span(box(:, 1), box(:, 2), reach_of(level, level%largest, skin), bins_per_parcel*parcels%n)
+        call level%own%sort(parcels%state, last(l - 1), columns)
+      end associate
+    end do
   end subroutine sort_own
 
+  !> Columns from before + 1 on, level after level; those of level l are columns(last(l-1)+1:last(l)).
+  pure subroutine sort_by_level(levels, state, before, columns, last)
+    type(level_t), intent(in) :: levels(:)
+    real(wp), intent(in), contiguous :: state(:,:)
+    integer, intent(in) :: before
+    integer, intent(out) :: columns(:), last(0:)
+
+    integer :: l, i, level(size(columns)), next(size(levels))
+
+    last = 0
+    do i = 1, size(columns)
+      level(i) = 1
+      do l = 1, size(levels) - 1
+        if (state(radius_row, before + i) > levels(l)%largest) level(i) = l + 1
+      end do
+      last(level(i)) = last(level(i)) + 1
+    end do
+    do l = 1, size(levels)
+      next(l) = last(l - 1) + 1
+      last(l) = last(l) + last(l - 1)
+    end do
+    do i = 1, size(columns)
+      columns(next(level(i))) = before + i
+      next(level(i)) = next(level(i)) + 1
+    end do
+  end subroutine sort_by_level
+
+  !> Lowest and highest corner of what holds the centres of the given columns; a point if there are none [m].
+  pure function box_around(state, columns) result(box)
+    real(wp), intent(in), contiguous :: state(:,:)
+    integer, intent(in) :: columns(:)
+    real(wp) :: box(3, 2)
+
+    integer :: i
+
+    box = 0.0_wp
+    if (size(columns) > 0) box = spread(state(1:3, columns(1)), 2, 2)
+    do i = 2, size(columns)
+      box(:, 1) = min(box(:, 1), state(1:3, columns(i)))
+      box(:, 2) = max(box(:, 2), state(1:3, columns(i)))
+    end do
+  end function box_around
+
+  !> How far the centres of a listed pair of a parcel and one of this level are apart at most [m].
+  pure function reach_of(level, radius, skin) result(reach)
+    type(level_t), intent(in) :: level
+    real(wp), intent(in) :: radius, skin  !< [m]
+    real(wp) :: reach
+
+    reach = (radius + level%largest + skin)*wider
+  end function reach_of
+
   !> List all pairs closer than the sum of their radii plus `skin`. My parcels are sorted, ghosts follow them.
-  subroutine build(self, parcels, skin, list)
+  pure subroutine build(self, parcels, skin, list)
     class(search_t), intent(inout) :: self
     type(parcels_t), intent(in) :: parcels
     real(wp), intent(in) :: skin  !< [m]
     type(contact_list_t), intent(inout) :: list
 
-    real(wp), allocatable :: place(:,:), ghost_place(:,:)
-    integer, allocatable :: column(:)
-    integer :: i
+    integer :: i, l
 
     call list%start(parcels%n)
-    allocate (place(4, parcels%n))
+    if (allocated(self%place)) deallocate (self%place)
+    allocate (self%place(4, parcels%n))
     do i = 1, parcels%n
-      place(:, i) = parcels%state(1:4, i)
+      self%place(:, i) = parcels%state(1:4, i)
     end do
-    call sort_ghosts(self, parcels, ghost_place, column)
-    do i = 1, parcels%n
-      call list_row(self, i, place, skin, list)
-      if (parcels%n_ghost > 0) call list_ghosts(self, place(:, i), ghost_place, column, skin, list)
-      list%first(i + 1) = list%entries + 1
+    call sort_ghosts(self, parcels, skin)
+    do l = 1, size(self%level)
+      do i = self%level(l)%first, self%level(l)%last
+        call list_behind(self%level(l)%own, i, self%place, skin, list)
+        call list_larger(self, l, i, skin, list)
+        if (parcels%n_ghost > 0) call list_ghosts(self, l, i, skin, list)
+        list%first(i + 1) = list%entries + 1
+      end do
     end do
     call list%note_rows()
   end subroutine build
 
-  !> Append the partners of parcel i among my parcels behind it.
-  pure subroutine list_row(self, i, place, skin, list)
-    type(search_t), intent(in) :: self
+  !> Append the partners of parcel i among those of its level behind it.
+  pure subroutine list_behind(lattice, i, place, skin, list)
+    type(bins_t), intent(in) :: lattice
     integer, intent(in) :: i
     real(wp), intent(in), contiguous :: place(:,:)
     real(wp), intent(in) :: skin
@@ -76,18 +166,56 @@ contains
 
     integer :: bin(3), y, z, lo, hi, line
 
-    bin = self%own%bin_of(place(1:3, i))
-    associate (first => self%own%first, n => self%own%n)
+    bin = lattice%bin_of(place(1:3, i))
+    associate (first => lattice%first, n => lattice%n)
       lo = max(bin(1) - 1, 0)
       hi = min(bin(1) + 1, n(1) - 1)
       do z = bin(3), min(bin(3) + 1, n(3) - 1)
         do y = merge(bin(2), max(bin(2) - 1, 0), z == bin(3)), min(bin(2) + 1, n(2) - 1)
-          line = 1 + n(1)*(y + n(2)*z)
+          line = lattice%number_of(0, y, z)
           call append(place(:, i), place, max(first(line + lo), i + 1), first(line + hi + 1) - 1, skin, list)
         end do
       end do
     end associate
-  end subroutine list_row
+  end subroutine list_behind
+
+  !> Append the partners of parcel i, of level l, in the levels of larger parcels.
+  pure subroutine list_larger(self, l, i, skin, list)
+    type(search_t), intent(in) :: self
+    integer, intent(in) :: l, i
+    real(wp), intent(in) :: skin
+    type(contact_list_t), intent(inout) :: list
+
+    integer :: m
+
+    do m = l + 1, size(self%level)
+      associate (level => self%level(m))
+        if (level%last < level%first) cycle
+        call list_around(level%own, self%place(:, i), reach_of(level, self%place(4, i), skin), self%place, skin, list)
+      end associate
+    end do
+  end subroutine list_larger
+
+  !> Append those places of a lattice that are near `here`.
+  pure subroutine list_around(lattice, here, reach, place, skin, list)
+    type(bins_t), intent(in) :: lattice
+    real(wp), intent(in) :: here(4)  !< position and radius [m]
+    real(wp), intent(in) :: reach    !< of the search [m]
+    real(wp), intent(in), contiguous :: place(:,:)
+    real(wp), intent(in) :: skin
+    type(contact_list_t), intent(inout) :: list
+
+    integer :: lo(3), hi(3), y, z, line
+
+    lo = lattice%bin_of(here(1:3) - reach)
+    hi = lattice%bin_of(here(1:3) + reach)
+    do z = lo(3), hi(3)
+      do y = lo(2), hi(2)
+        line = lattice%number_of(0, y, z)
+        call append(here, place, lattice%first(line + lo(1)), lattice%first(line + hi(1) + 1) - 1, skin, list)
+      end do
+    end do
+  end subroutine list_around
 
   !> Append those of the places from `from` to `to` that are near; a place is its own column.
   pure subroutine append(here, place, from, to, skin, list)
@@ -112,66 +240,78 @@ contains
     list%entries = m
   end subroutine append
 
-  !> Sort the ghosts into the lattice of my parcels; those beyond it count to its outermost bins.
-  subroutine sort_ghosts(self, parcels, place, column)
+  !> Sort the ghosts of each level into bins over my parcels of all levels; those beyond count to the outermost bins.
+  pure subroutine sort_ghosts(self, parcels, skin)
     type(search_t), intent(inout) :: self
     type(parcels_t), intent(in) :: parcels
-    real(wp), allocatable, intent(out) :: place(:,:)   !< (4, n_ghost) sorted
-    integer, allocatable, intent(out) :: column(:)     !< (n_ghost) their columns
+    real(wp), intent(in) :: skin
 
-    integer :: k, y, z, line
-    integer :: bin(3), lo(3), hi(3)
+    integer :: l, k, i, last(0:size(self%level))
+    real(wp) :: box(3, 2)
 
-    allocate (place(4, parcels%n_ghost), column(parcels%n_ghost))
+    if (allocated(self%ghost)) deallocate (self%ghost, self%column)
+    allocate (self%ghost(4, parcels%n_ghost), self%column(parcels%n_ghost))
     if (parcels%n_ghost == 0) return
-    self%ghosts%lower = self%own%lower
-    self%ghosts%per_edge = self%own%per_edge
-    self%ghosts%n = self%own%n
-    self%ghosts%first = self%own%first
-    call self%ghosts%sort(parcels%state, parcels%n, column)
-    column = column + parcels%n
-    if (allocated(self%near_ghosts)) deallocate (self%near_ghosts)
-    allocate (self%near_ghosts(size(self%own%first)))
-    self%near_ghosts = .false.
+    box = box_around(self%place, [(i, i=1, parcels%n)])
+    call sort_by_level(self%level, parcels%state, parcels%n, self%column, last)
+    do l = 1, size(self%level)
+      associate (level => self%level(l), columns => self%column(last(l - 1) + 1:last(l)))
+        level%n_ghosts = size(columns)
+        call level%ghosts%span(box(:, 1), box(:, 2), reach_of(level, level%largest, skin), bins_per_parcel*parcels%n)
+        call level%ghosts%sort(parcels%state, last(l - 1), columns)
+      end associate
+    end do
     do k = 1, parcels%n_ghost
-      place(:, k) = parcels%state(1:4, column(k))
-      bin = self%own%bin_of(place(1:3, k))
-      lo = max(bin - 1, 0)
-      hi = min(bin + 1, self%own%n - 1)
-      do z = lo(3), hi(3)
-        do y = lo(2), hi(2)
-          line = 1 + self%own%n(1)*(y + self%own%n(2)*z)
-          self%near_ghosts(line + lo(1):line + hi(1)) = .true.
-        end do
-      end do
+      self%ghost(:, k) = parcels%state(1:4, self%column(k))
+    end do
+    do l = 1, size(self%level)
+      call mark_near(self%level(l), self%ghost, skin)
     end do
   end subroutine sort_ghosts
 
-  !> Append the ghosts near a parcel.
-  pure subroutine list_ghosts(self, here, place, column, skin, list)
+  !> Note which bins of a level a ghost is near.
+  pure subroutine mark_near(level, ghost, skin)
+    type(level_t), intent(inout) :: level
+    real(wp), intent(in), contiguous :: ghost(:,:)
+    real(wp), intent(in) :: skin
+
+    integer :: k, y, z, line, lo(3), hi(3)
+    real(wp) :: reach
+
+    if (allocated(level%near_ghosts)) deallocate (level%near_ghosts)
+    allocate (level%near_ghosts(size(level%own%first)), source=.false.)
+    do k = 1, size(ghost, 2)
+      reach = reach_of(level, ghost(4, k), skin)
+      lo = level%own%bin_of(ghost(1:3, k) - reach)
+      hi = level%own%bin_of(ghost(1:3, k) + reach)
+      do z = lo(3), hi(3)
+        do y = lo(2), hi(2)
+          line = level%own%number_of(0, y, z)
+          level%near_ghosts(line + lo(1):line + hi(1)) = .true.
+        end do
+      end do
+    end do
+  end subroutine mark_near
+
+  !> Append the ghosts near parcel i of level l.
+  pure subroutine list_ghosts(self, l, i, skin, list)
     type(search_t), intent(in) :: self
-    real(wp), intent(in) :: here(4)
-    real(wp), intent(in), contiguous :: place(:,:)
-    integer, intent(in) :: column(:)
+    integer, intent(in) :: l, i
     real(wp), intent(in) :: skin
     type(contact_list_t), intent(inout) :: list
 
-    integer :: bin(3), y, z, lo, hi, line, before
+    integer :: bin(3), m, before
 
-    associate (first => self%ghosts%first, n => self%ghosts%n)
-      bin = self%ghosts%bin_of(here(1:3))
-      if (.not. self%near_ghosts(1 + bin(1) + n(1)*(bin(2) + n(2)*bin(3)))) return
+    associate (own => self%level(l)%own, here => self%place(:, i))
+      bin = own%bin_of(here(1:3))
+      if (.not. self%level(l)%near_ghosts(own%number_of(bin(1), bin(2), bin(3)))) return
       before = list%entries
-      lo = max(bin(1) - 1, 0)
-      hi = min(bin(1) + 1, n(1) - 1)
-      do z = max(bin(3) - 1, 0), min(bin(3) + 1, n(3) - 1)
-        do y = max(bin(2) - 1, 0), min(bin(2) + 1, n(2) - 1)
-          line = 1 + n(1)*(y + n(2)*z)
-          call append(here, place, first(line + lo), first(line + hi + 1) - 1, skin, list)
-        end do
+      do m = 1, size(self%level)
+        if (self%level(m)%n_ghosts == 0) cycle
+        call list_around(self%level(m)%ghosts, here, reach_of(self%level(m), here(4), skin), self%ghost, skin, list)
       end do
+      list%partner(before + 1:list%entries) = self%column(list%partner(before + 1:list%entries))
     end associate
-    list%partner(before + 1:list%entries) = column(list%partner(before + 1:list%entries))
   end subroutine list_ghosts
 
 end module neighbours

@@ -170,6 +170,7 @@ contains
     self%smallest_mass = min(self%smallest_mass, 1/extremes(3))
     self%skin = given(self%numerics%skin, 2*automatic_skin*sqrt(self%smallest_radius*self%largest_radius))
     self%range = 2*self%largest_radius + self%skin
+    call self%search%set_levels(self%smallest_radius, self%largest_radius)
     width = max(self%tile_width, self%range)
     if (allocated(self%tiles%owner)) then
       if (all(self%tiles%width >= self%range .or. self%tiles%n == 1)) return
@@ -346,7 +347,7 @@ contains
     if (outcome%failed()) return
     call settle_owners(self)
     allocate (order(self%parcels%n), place(self%parcels%n))
-    call self%search%sort_own(self%parcels, self%range, order)
+    call self%search%sort_own(self%parcels, self%skin, order)
     call self%parcels%reorder(order)
     place(order) = [(i, i=1, size(order))]
     call self%history%follow(place)
