@@ -10,7 +10,8 @@
 !> lasts until the overlap is gone, so the force attracts shortly before. xi is the slip as a length, which is
 !> multiplied by the present stiffness (Di Renzo & Di Maio, Chem. Eng. Sci. 59 (2004) 525-541, sec. 2.3).
 !>
-!> The contact point is that of contact_linear, and so is what is done about steps that damp too much, with S for k_n; its dashpot sets in gently.
+!> The contact point is that of contact_linear, and so is what is done about steps that damp too much, with S for k_n; the
+!> dashpot of this law sets in gently.
 module contact_hertz
   use contact_lanes, only: lanes, turn_eight, turn_four
   use contact_linear, only: damping_ratio, lead_excess

@@ -36,7 +36,7 @@ module parcels
     real(wp), allocatable :: state(:,:)       !< (16 or 8, capacity), see the rows above
     real(wp), allocatable :: force(:,:)       !< (8 or 4, capacity) contact force 1:3 [N], torque/radius 5:7 [N]
     real(wp), allocatable :: coupled(:,:)     !< (12, capacity) what the gas does, see the rows above
-    real(wp), allocatable :: aside(:,:)       !< (6 or 3, capacity) of velocity and spin, what `state` does not hold: see motion [m/s]
+    real(wp), allocatable :: aside(:,:)       !< (6 or 3, capacity) velocities and spins, or their lead: see motion [m/s]
     real(wp), allocatable :: built(:,:)       !< (3, capacity) position when the neighbour list was made [m]
     real(wp), allocatable :: diameter(:)      !< of one real particle [m]
     real(wp), allocatable :: weight(:)        !< real particles per parcel [-]
