@@ -4,9 +4,9 @@
 !> one; where it lies on an edge or in a corner it counts if no other triangle there comes nearer. So a ball has one contact with a
 !> plane, however many triangles it touches, one with an edge that sticks out, one with each side of a groove.
 !>
-!> Of contacts whose directions differ by less than `smooth` the deepest counts: triangles that continue each other, or bend as those
-!> of a rounded wall do, are felt as one. So the force has an energy, (k/2) delta^2 of the deepest, also where the ball comes
-!> from one to the next.
+!> Of contacts whose directions differ by less than `smooth` the deepest counts: triangles that continue each other, or bend as
+!> those of a rounded wall do, are felt as one. So the force has an energy, (k/2) delta^2 of the deepest, also where the ball
+!> comes from one to the next.
 module mesh_contacts
   use kinds, only: wp
   use mesh_wall, only: mesh_wall_t

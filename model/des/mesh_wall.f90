@@ -1,7 +1,7 @@
 !> A wall of triangles, at rest, moving as a whole, or with a surface that moves along itself.
 !>
-!> The triangles stay where they were at the start: it is parcels that are looked at from a moving wall. A point x of space at time t
-!> is there in c + R^T(t) (x - c - v t), with the centre c, the velocity v and the rotation R of the wall.
+!> The triangles stay where they were at the start: it is parcels that are looked at from a moving wall. A point x of space at
+!> time t is there in c + R^T(t) (x - c - v t), with the centre c, the velocity v and the rotation R of the wall.
 !>
 !> Parcels may be on either side. Their centres do not come near a wall they bounce off and they move by less than a tenth of
 !> their radius in a step; so whose centre is nearer than `closest` radii is about to go through.

@@ -29,12 +29,12 @@ contains
         if (.not. exists(trim(wall%file))) cycle  ! known already
         call read_once(trim(wall%file), triangles, message, comm)
         call keys%require_at(len(message) == 0, 'wall', w, 'file', message)
+        if (len(message) > 0) cycle
         do t = 1, size(triangles, 3)
           triangles(:, :, t) = wall%scale*triangles(:, :, t) + spread(wall%offset, 2, 3)
         end do
         case%surfaces(w) = new_surface(triangles)
-        if (len(message) == 0) call keys%require_at(case%surfaces(w)%n > 0, 'wall', w, 'file', &
-                                                    'holds no triangle that has an area')
+        call keys%require_at(case%surfaces(w)%n > 0, 'wall', w, 'file', 'holds no triangle that has an area')
       end associate
     end do
   end subroutine read_meshes

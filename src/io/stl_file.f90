@@ -55,19 +55,21 @@ contains
     character(len=:), allocatable, intent(out) :: bytes, message
 
     integer(i8) :: length
+    character(len=200) :: reason
     integer :: unit, status
 
     message = ''
     bytes = ''
-    open (newunit=unit, file=path, access='stream', form='unformatted', action='read', status='old', iostat=status)
+    open (newunit=unit, file=path, access='stream', form='unformatted', action='read', status='old', iostat=status, &
+          iomsg=reason)
     if (status == 0) then
       inquire (unit=unit, size=length)
       deallocate (bytes)
       allocate (character(len=max(length, 0_i8)) :: bytes)
-      if (length > 0) read (unit, iostat=status) bytes
+      if (length > 0) read (unit, iostat=status, iomsg=reason) bytes
       close (unit)
     end if
-    if (status /= 0) message = 'cannot be read'
+    if (status /= 0) message = 'cannot be read: '//trim(reason)
   end subroutine read_bytes
 
   pure function is_text(bytes)
@@ -175,6 +177,7 @@ contains
     real(wp), intent(out) :: corners(3, 3)
     character(len=:), allocatable, intent(inout) :: message
 
+    character(len=200) :: reason
     integer :: a, corner, status
 
     corners = 0.0_wp
@@ -191,7 +194,7 @@ contains
         call next_word(bytes, reading)
         associate (word => bytes(reading%first:reading%last))
           status = verify(word, '0123456789+-.eEdD')
-          if (status == 0 .and. len(word) > 0) read (word, '(f64.0)', iostat=status) corners(a, corner)
+          if (status == 0 .and. len(word) > 0) read (word, '(f64.0)', iostat=status, iomsg=reason) corners(a, corner)
           if (status /= 0 .or. len(word) == 0) call demand(bytes, reading, 'a number', message)
         end associate
       end do

@@ -152,7 +152,7 @@ contains
     out = cos(angle)*level + sin(angle)*cross(tilt, level)
     way = cross(tilt, out)
     call put(lump, column(place + arm*out + 2*radius*way), column(0*tilt), [2*radius])
-    ! The blade is at the ball when its normal has gone round to it: r = the distance of the ball from the axis times the sine of the angle left.
+    ! The blade is at the ball when r is the distance of the ball from the axis times the sine of the angle left.
     t = (angle + atan2(2*radius, arm) - asin(radius/sqrt(arm**2 + 4*radius**2)))/omega
     steps = ceiling(1.1_wp*t/lump%time_step_limit())
     call run(lump, steps, 1.1_wp*t/steps)
