@@ -6,6 +6,7 @@ import pytest
 
 import stl
 from conftest import ROOT
+from test_output import field, steps_of, vtk_to_numpy
 
 MILL = (ROOT / "tests/runs/mesh.nml").read_text()
 BLADES = 4
@@ -77,6 +78,26 @@ def test_restart_is_exact(run, tmp_path, ranks, mode):
     assert (whole["contact_partner"] < -6).any()
     for name in whole:
         assert np.array_equal(whole[name], parts[name]), f"{name} differs"
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_vtk_sees_it_turn(run, tmp_path, ranks):
+    """walls.vtkhdf has the triangles where they are at every output time, also of a run that was continued."""
+    options = ["--set", "output%parcels_interval=0.005", "--set"]
+    run(*options, "run%end_time=0.012", ranks=ranks)
+    run(*options, "run%end_time=0.02", "--restart", "results/restart.h5", ranks=ranks)
+    times, data_at = steps_of(tmp_path / "results/walls.vtkhdf")
+    assert np.allclose(times, [0, 0.005, 0.01, 0.015, 0.02])
+    still = 1e-3 * stl.drum(14, 16, 48, BLADES, 3).reshape(-1, 3)
+    for time in times:
+        mill = data_at(time)
+        assert mill.GetNumberOfPolys() == 200
+        angle = 15 * time
+        x, y, z = still.T
+        turned = np.stack([x * np.cos(angle) + z * np.sin(angle), y, z * np.cos(angle) - x * np.sin(angle)], axis=1)
+        assert np.allclose(vtk_to_numpy(mill.GetPoints().GetData()), turned, atol=1e-8)
+        assert (field(mill.GetCellData(), "wall") == 1).all()
+    assert [vtk_to_numpy(mill.GetPolys().GetConnectivityArray())[k] for k in (0, 1, 599)] == [0, 1, 599]
 
 
 @pytest.mark.parametrize("friction", [0, 0.5])

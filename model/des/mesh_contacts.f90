@@ -16,6 +16,8 @@ module mesh_contacts
 
   real(wp), parameter :: smooth = 0.93969262078590838_wp     !< cosine of 20 degrees
   real(wp), parameter :: continued = 0.86602540378443865_wp  !< cosine of the angle by which a contact turns in a step, 30 degrees
+  real(wp), parameter :: far = 1.2_wp                        !< farther than any triangle is of which a slip comes, over the radius
+  real(wp), parameter :: nowhere = 1.0e100_wp                !< distance of those that are farther [m]
   real(wp), parameter :: round_off = 1.0e-9_wp               !< of distances [-]
 
 contains
@@ -26,7 +28,8 @@ contains
     integer, intent(in) :: triangle(:)    !< (k)
     real(wp), intent(in) :: place(:,:)    !< (3,k) of the parcel for each triangle, as the wall sees it [m]
     real(wp), intent(in) :: radius        !< [m]
-    real(wp), intent(out) :: gap(:,:)     !< (4,k) 1:3 way from the nearest point of each triangle, 4 its length [m]
+    real(wp), intent(out) :: gap(:,:)     !< (4,k) 1:3 way from the nearest point of each triangle, 4 its length [m];
+                                          !< of those that are far no way, and a length without end
     integer, intent(out) :: chosen(:)     !< (n) which of the triangles have a contact
     integer, intent(out) :: n
 
@@ -34,6 +37,11 @@ contains
     logical :: left(size(triangle))
 
     do k = 1, size(triangle)
+      if (wall%is_apart(triangle(k), place(:, k), far*radius)) then
+        gap(:, k) = [0.0_wp, 0.0_wp, 0.0_wp, nowhere]
+        bearers(:, k) = 0
+        cycle
+      end if
       call wall%approach(triangle(k), place(:, k), gap(1:3, k), gap(4, k), bearers(:, k))
     end do
     left = gap(4, :) < radius

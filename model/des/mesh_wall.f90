@@ -18,10 +18,13 @@ module mesh_wall
 
   real(wp), parameter :: closest = 0.25_wp  !< distance of a centre from a mesh, over the radius [-]
 
+  real(wp), parameter :: wider = 1.001_wp   !< a reach, so that round-off leaves nothing out [-]
+
   type :: mesh_wall_t
     integer :: n = 0                        !< triangles
     integer :: before = 0                   !< triangles of the walls before this one
     real(wp), allocatable :: shape(:,:,:)   !< (3,4,n) corners [m] and unit normal
+    real(wp), allocatable :: bound(:,:)     !< (8,n) 1:4 a sphere around it [m], 5:8 unit normal, height of its plane along it [m]
     integer, allocatable :: corner(:,:)     !< (3,n) numbers of the corners: where triangles share one it is the same
     type(surface_grid_t) :: grid
     type(wall_motion_t) :: motion
@@ -33,8 +36,10 @@ module mesh_wall
   contains
     procedure :: move_to
     procedure :: seen
+    procedure :: place_of
     procedure :: turned_back
     procedure :: velocity
+    procedure :: is_apart
     procedure :: approach
     procedure :: list_near
     procedure :: is_beyond
@@ -53,13 +58,15 @@ contains
 
     wall%n = surface%n
     wall%before = before
-    allocate (wall%shape(3, 4, surface%n), wall%corner(3, surface%n))
+    allocate (wall%shape(3, 4, surface%n), wall%bound(8, surface%n), wall%corner(3, surface%n))
     wall%corner(:, :) = surface%corner
     do t = 1, surface%n
       associate (s => wall%shape(:, :, t))
         s(:, 1:3) = surface%vertex(:, surface%corner(:, t))
         normal = cross(s(:, 2) - s(:, 1), s(:, 3) - s(:, 1))
         s(:, 4) = normal/norm2(normal)
+        wall%bound(:, t) = [sum(s(:, 1:3), 2)/3, 0.0_wp, s(:, 4), dot_product(s(:, 1), s(:, 4))]
+        wall%bound(4, t) = maxval([(norm2(s(:, k) - wall%bound(1:3, t)), k=1, 3)])
       end associate
     end do
     wall%grid = new_surface_grid(wall%shape)
@@ -90,6 +97,16 @@ contains
     if (self%moves) place = self%motion%centre + matmul(x - self%centre, self%turned)
   end function seen
 
+  !> Where a point of the wall is in space [m].
+  pure function place_of(self, place) result(x)
+    class(mesh_wall_t), intent(in) :: self
+    real(wp), intent(in) :: place(3)  !< for the wall [m]
+    real(wp) :: x(3)
+
+    x = place
+    if (self%moves) x = self%centre + matmul(self%turned, place - self%motion%centre)
+  end function place_of
+
   !> A vector as the wall sees it, in space.
   pure function turned_back(self, vector) result(way)
     class(mesh_wall_t), intent(in) :: self
@@ -115,6 +132,19 @@ contains
     end if
   end function velocity
 
+  !> Whether a triangle is certainly farther than a reach, by the sphere around it and its plane.
+  pure function is_apart(self, t, place, reach) result(apart)
+    class(mesh_wall_t), intent(in) :: self
+    integer, intent(in) :: t
+    real(wp), intent(in) :: place(3), reach  !< for the wall [m]
+    logical :: apart
+
+    associate (b => self%bound(:, t))
+      apart = (place(1) - b(1))**2 + (place(2) - b(2))**2 + (place(3) - b(3))**2 > (reach + b(4))**2 &
+              .or. abs(place(1)*b(5) + place(2)*b(6) + place(3)*b(7) - b(8)) > reach
+    end associate
+  end function is_apart
+
   !> The way from the nearest point of a triangle to a place, its length, and the numbers of the corners that bear the point:
   !> none within the triangle, two on an edge.
   pure subroutine approach(self, t, place, way, distance, bearers)
@@ -128,7 +158,7 @@ contains
     integer :: k
 
     call approach_triangle(self%shape(:, :, t), place, way, bearers)
-    distance = norm2(way)
+    distance = sqrt(way(1)**2 + way(2)**2 + way(3)**2)
     do k = 1, 2
       if (bearers(k) > 0) bearers(k) = self%corner(bearers(k), t)
     end do
@@ -144,9 +174,10 @@ contains
     integer, intent(out) :: n
 
     integer :: lo(3), hi(3), x, y, z, cell, k, t, bearers(2)
-    real(wp) :: way(3), distance
+    real(wp) :: way(3), distance, wide
 
     n = 0
+    wide = wider*reach
     call self%grid%range_of(place - reach, place + reach, lo, hi)
     do z = lo(3), hi(3)
       do y = lo(2), hi(2)
@@ -156,6 +187,7 @@ contains
             t = self%grid%triangle(k)
             if (last(t) == stamp) cycle
             last(t) = stamp
+            if (self%is_apart(t, place, wide)) cycle
             call self%approach(t, place, way, distance, bearers)
             if (distance > reach) cycle
             if (n == size(near)) near = [near, near]
@@ -184,6 +216,7 @@ contains
         do i = lo(1), hi(1)
           cell = self%grid%cell_of(i, j, k)
           do m = self%grid%first(cell), self%grid%first(cell + 1) - 1
+            if (self%is_apart(self%grid%triangle(m), place, wider*closest*radius)) cycle
             call self%approach(self%grid%triangle(m), place, way, distance, bearers)
             is_beyond = is_beyond .or. .not. distance > closest*radius
           end do

@@ -5,7 +5,7 @@ module surface_grid
   private
   public :: surface_grid_t, new_surface_grid
 
-  integer, parameter :: cells_per_triangle = 8, least_cells = 512, most_cells = 2000000
+  integer, parameter :: cells_per_triangle = 2, least_cells = 512, most_cells = 2000000
   real(wp), parameter :: wider = 1.0e-6_wp  !< by which cells and surface overlap, over the size of the surface
 
   type :: surface_grid_t
