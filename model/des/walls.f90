@@ -8,7 +8,7 @@
 module walls
   use contact_lanes, only: lanes
   use contact_law, only: contact_law_t, friction_forces, frictionless_forces
-  use contact_list, only: never
+  use close_pairs, only: never
   use kinds, only: wp
   use mesh_contacts, only: find_contacts, hand_over
   use mesh_wall, only: closest
