@@ -58,7 +58,7 @@ module solids
     real(wp) :: step = 0.0_wp            !< steps done; a real, as the slips keep it
     real(wp) :: travelled = 0.0_wp       !< at most, by any parcel since the lists were made [m]
     real(wp) :: speed = 0.0_wp           !< of the fastest parcel [m/s]
-    self%walls%step = self%step
+    real(wp) :: listed_at = 0.0_wp       !< time for which walls stood where they did when the lists were made [s]
     integer(i8) :: rebuilds = 0          !< lists made
     integer(i8) :: weighed = 0           !< of these, when the balance was looked at last
     integer(i8) :: added = 0, left = 0   !< parcels, on all ranks, since the start
@@ -275,14 +275,6 @@ contains
     self%step = self%step + 1
     call self%pair_law%set_step(dt, self%step)
     call self%wall_law%set_step(dt, self%step)
-<<<<<<< HEAD
-    if (self%parcels%rotation) then
-      call sweep_friction(self%pair_law, self%list, self%parcels%state, self%parcels%force)
-    else
-      call sweep_frictionless(self%pair_law, self%list, self%parcels%state, self%parcels%force)
-    end if
-    self%walls%step = self%step
-=======
     associate (state => self%parcels%state, force => self%parcels%force)
       call self%pairs%keep_close(self%list, state, dt*self%speed, self%skin, typical_width(self))
       if (self%parcels%rotation) then
@@ -291,7 +283,7 @@ contains
         call sweep_frictionless(self%pair_law, self%pairs, state, force)
       end if
     end associate
->>>>>>> main
+    self%walls%step = self%step
     call self%walls%sweep(self%chamber, self%wall_law, self%parcels)
   end subroutine find_forces
 

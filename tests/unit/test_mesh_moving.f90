@@ -198,7 +198,7 @@ contains
     type(wall_settings_t) :: wall
 
     wall = mesh()
-    wall%angular_velocity = [0.0_wp, 12.0_wp, 0.0_wp]
+    wall%angular_velocity = [0.0_wp, 25.0_wp, 0.0_wp]
     wall%rotation_centre = centre
     wall%open = .true.
     solids = mesh_room(ranks, 0.02_wp, [0.0_wp, 0.0_wp, -g], material(100.0_wp, 0.6_wp, 0.4_wp), [wall], &
@@ -267,7 +267,7 @@ contains
     call gather(apart, 200, b)
     call expect_all(all(abs(a(1:3, :) - b(1:3, :)) < 1.0e-10_wp*0.01_wp), 'positions in a mill do not depend on the ranks')
     call expect_all(all(abs(a(4:9, :) - b(4:9, :)) < 1.0e-10_wp*0.5_wp), 'nor velocities and spins')
-    call run(together, 12000, dt)
+    call run(together, 6000, dt)
     s = find_statistics(together)
     call gather(together, 200, a)
     call expect_all(s%lost == 0 .and. s%parcels == 200 .and. s%wall_contacts > 50 .and. s%max_overlap < 0.1_wp, &
