@@ -30,13 +30,17 @@ module walls
     integer :: through = 0                !< column of a parcel that is beyond a wall, 0 if there is none
     integer, allocatable :: parcel(:)     !< (entries) column
     integer, allocatable :: face(:)       !< (entries) see chamber
+    integer :: runs = 0                   !< triangles of one mesh near one parcel, one after the other
+    integer, allocatable :: run_first(:)  !< (runs + 1 at least) first entry of each
+    real(wp), allocatable :: run_gap(:)   !< (runs at least) between parcel and mesh when the list was made [m]
+    real(wp) :: way = 0.0_wp              !< that a parcel and a mesh may have gone since, together [m]
     integer, allocatable :: image(:)      !< (entries) in a periodic chamber: which image of the parcel is near the triangle
     real(wp), allocatable :: slip(:,:)    !< (4, entries) 1:3 tangential slip [m], 4 step of last touch
   contains
     procedure :: build
     procedure :: sweep
     procedure :: look_at_run
-    procedure :: end_of_run
+    procedure :: run_range
   end type wall_list_t
 
 contains
@@ -134,9 +138,12 @@ contains
 
     integer, allocatable :: last(:), near(:), old(:)
     integer :: images(8), n_images, m, i, k, n, e, looks
-    real(wp) :: reach
+    real(wp) :: reach, nearest
 
     allocate (near(64))
+    self%runs = 0
+    if (.not. allocated(self%run_gap)) allocate (self%run_gap(64), self%run_first(64))
+    self%run_first(1) = self%kind_end(4) + 1
     if (any(chamber%periodic) .and. .not. allocated(self%image)) allocate (self%image(0))
     do m = 1, chamber%n_meshes
       associate (wall => chamber%meshes(m))
@@ -145,9 +152,11 @@ contains
         do i = 1, parcels%n
           reach = parcels%state(4, i) + margin*merge(2, 1, wall%moves)
           call chamber%find_images(parcels%state(1:3, i), reach, images, n_images)
+          nearest = reach
           do k = 1, n_images
             looks = looks + 1
-            call wall%list_near(wall%seen(parcels%state(1:3, i) + chamber%shift(images(k))), reach, looks, last, near, n)
+            call wall%list_near([wall%seen(parcels%state(1:3, i) + chamber%shift(images(k))), reach], looks, last, near, n, &
+                                nearest)
             do e = 1, n
               call add_entry(self, 4, i, chamber%first_triangle() - 1 + wall%before + near(e))
               if (.not. any(chamber%periodic)) cycle
@@ -159,6 +168,7 @@ contains
               self%image(self%kind_end(4)) = images(k)
             end do
           end do
+          call end_run(self, nearest - parcels%state(4, i))
         end do
         deallocate (last)
       end associate
@@ -272,6 +282,21 @@ contains
     if (n > 0) call apply(self, law, touching(1:n), pair, parcels)
   end subroutine sweep_shells
 
+  !> The entries since the last run are one, if there are any.
+  subroutine end_run(self, gap)
+    type(wall_list_t), intent(inout) :: self
+    real(wp), intent(in) :: gap  !< [m]
+
+    if (self%kind_end(4) < self%run_first(self%runs + 1)) return
+    self%runs = self%runs + 1
+    if (self%runs == size(self%run_gap)) then
+      self%run_gap = [self%run_gap, self%run_gap]
+      self%run_first = [self%run_first, self%run_first]
+    end if
+    self%run_gap(self%runs) = gap
+    self%run_first(self%runs + 1) = self%kind_end(4) + 1
+  end subroutine end_run
+
   pure subroutine sweep_meshes(self, chamber, law, parcels)
     type(wall_list_t), intent(inout) :: self
     type(chamber_t), intent(in) :: chamber
@@ -279,14 +304,12 @@ contains
     type(parcels_t), intent(inout) :: parcels
 
     real(wp) :: pair(8, block_pairs)
-    integer :: touching(block_pairs), n, w, last
+    integer :: touching(block_pairs), n, run
 
     n = 0
-    w = self%kind_end(3) + 1
-    do while (w <= self%kind_end(4))
-      last = self%end_of_run(chamber, w)
-      call sweep_run(self, chamber, law, parcels, [w, last], touching, n, pair)
-      w = last + 1
+    do run = 1, self%runs
+      if (self%run_gap(run) > self%way) cycle
+      call sweep_run(self, chamber, law, parcels, self%run_range(run), touching, n, pair)
     end do
     if (n > 0) call apply(self, law, touching(1:n), pair, parcels)
   end subroutine sweep_meshes
@@ -328,24 +351,14 @@ contains
     end do
   end subroutine sweep_run
 
-  !> The last entry of the same parcel and the same mesh.
-  pure function end_of_run(self, chamber, first) result(last)
+  !> First and last entry of a run.
+  pure function run_range(self, run) result(range)
     class(wall_list_t), intent(in) :: self
-    type(chamber_t), intent(in) :: chamber
-    integer, intent(in) :: first
-    integer :: last
+    integer, intent(in) :: run
+    integer :: range(2)
 
-    integer :: end
-
-    associate (wall => chamber%meshes(chamber%mesh_of(self%face(first))))
-      end = chamber%first_triangle() - 1 + wall%before + wall%n
-    end associate
-    last = first
-    do while (last < self%kind_end(4))
-      if (self%parcel(last + 1) /= self%parcel(first) .or. self%face(last + 1) > end) exit
-      last = last + 1
-    end do
-  end function end_of_run
+    range = [self%run_first(run), self%run_first(run + 1) - 1]
+  end function run_range
 
   !> Where a parcel touches a mesh.
   pure subroutine look_at_run(self, chamber, parcels, range, gap, chosen, n)
