@@ -24,6 +24,7 @@ module chamber
     procedure :: is_wall
     procedure :: distance
     procedure :: approach_shell
+    procedure :: spin_of
     procedure :: is_beyond
   end type chamber_t
 
@@ -128,6 +129,21 @@ contains
     if (felt) felt = self%shells(other)%joined(other_end) == s
     if (.not. felt) distance = huge(distance)
   end subroutine approach_shell
+
+  !> Angular velocity of a wall's surface [rad/s].
+  pure function spin_of(self, face) result(spin)
+    class(chamber_t), intent(in) :: self
+    integer, intent(in) :: face
+    real(wp) :: spin(3)
+
+    if (face <= n_faces) then
+      spin = 0.0_wp
+    else if (face <= n_faces + self%n_planes) then
+      spin = self%planes(face - n_faces)%motion%spin
+    else
+      spin = self%shells(face - n_faces - self%n_planes)%motion%spin
+    end if
+  end function spin_of
 
   !> Whether a parcel is beyond one of the planes or shells, or about to be.
   pure function is_beyond(self, x, radius)

@@ -17,17 +17,21 @@ module contact_list
 
   type :: contact_list_t
     logical :: with_history = .false.
+    logical :: with_angles = .false.      !< whether contacts remember how far they have rolled
     integer :: rows = 0                   !< own parcels, or parcels near walls
     integer :: entries = 0                !< entries in use
     integer, allocatable :: first(:)      !< (rows+1 at least)
     integer, allocatable :: row(:)        !< (entries at least) the row of each entry
     integer, allocatable :: partner(:)    !< (entries at least) column of the partner
     real(wp), allocatable :: slip(:,:)    !< (4, entries at least) 1:3 tangential slip [m], 4 step of last touch
+    real(wp), allocatable :: angle(:,:)   !< (3, entries at least) with the rolling spring: angle rolled [rad]
   contains
     procedure :: start
     procedure :: reserve
     procedure :: note_rows
     procedure :: clear_history
+    procedure :: memory_of
+    procedure :: remind
   end type contact_list_t
 
 contains
@@ -86,6 +90,33 @@ contains
     if (.not. allocated(self%slip)) allocate (self%slip(4, self%entries + self%entries/8 + 8))
     self%slip(1:3, 1:self%entries) = 0.0_wp
     self%slip(4, 1:self%entries) = never
+    if (.not. self%with_angles) return
+    if (allocated(self%angle)) then
+      if (size(self%angle, 2) < self%entries) deallocate (self%angle)
+    end if
+    if (.not. allocated(self%angle)) allocate (self%angle(3, size(self%slip, 2)))
+    self%angle(:, 1:self%entries) = 0.0_wp
   end subroutine clear_history
+
+  !> What an entry remembers beside the step of its last touch: the slip and, if there is one, the angle.
+  pure function memory_of(self, entry) result(memory)
+    class(contact_list_t), intent(in) :: self
+    integer, intent(in) :: entry
+    real(wp) :: memory(merge(6, 3, self%with_angles))
+
+    memory(1:3) = self%slip(1:3, entry)
+    if (self%with_angles) memory(4:6) = self%angle(:, entry)
+  end function memory_of
+
+  !> Give it back.
+  pure subroutine remind(self, entry, memory, step)
+    class(contact_list_t), intent(inout) :: self
+    integer, intent(in) :: entry
+    real(wp), intent(in) :: memory(:)  !< as `memory_of`
+    real(wp), intent(in) :: step       !< of the last touch
+
+    self%slip(:, entry) = [memory(1:3), step]
+    if (self%with_angles) self%angle(:, entry) = memory(4:6)
+  end subroutine remind
 
 end module contact_list

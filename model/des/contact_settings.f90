@@ -23,6 +23,10 @@ module contact_settings
     real(wp) :: wall_stiffness = unset                !< k_n against walls [N/m]; unset: as parcels
     real(wp) :: wall_restitution = unset              !< e_n against walls [-]; unset: as parcels
     real(wp) :: wall_friction = unset                 !< mu against walls [-]; unset: as parcels
+    character(len=word_length) :: rolling = 'none'    !< or 'constant_torque', 'spring': see rolling
+    real(wp) :: rolling_friction = unset              !< mu_r [-]
+    real(wp) :: rolling_damping = 0.3_wp              !< spring: of its critical damping, eta [-]
+    real(wp) :: wall_rolling_friction = unset         !< mu_r against walls [-]; unset: as parcels
     character(len=word_length) :: stiffness_scaling = 'none'    !< or 'constant_modulus': see coarse_graining
     character(len=word_length) :: restitution_scaling = 'none'  !< or 'dissipation'
   end type contact_settings_t
@@ -49,6 +53,7 @@ contains
                   '(0, inf)')
     call keys%get('wall_restitution', settings%wall_restitution, 'the same against walls; as parcels if not given [-]', '[0.01, 1]')
     call keys%get('wall_friction', settings%wall_friction, 'the same against walls; as parcels if not given [-]', '[0, 10]')
+    call declare_rolling(settings, keys)
     call keys%get('stiffness_scaling', settings%stiffness_scaling, 'stiffness of parcels: none: as given; '// &
                   'constant_modulus: as given times their width over that of their particles', 'none | constant_modulus')
     call keys%get('restitution_scaling', settings%restitution_scaling, 'restitution of parcels: none: as given; '// &
@@ -57,6 +62,26 @@ contains
     call keys%require(settings%friction > 0 .or. .not. settings%wall_friction > 0, 'wall_friction', &
                       'needs friction between parcels, too: parcels without friction do not rotate')
   end subroutine declare_contact
+
+  !> Keys of the resistance to rolling.
+  subroutine declare_rolling(settings, keys)
+    type(contact_settings_t), intent(inout) :: settings
+    type(keys_t), intent(inout) :: keys
+
+    logical :: on
+
+    call keys%get('rolling', settings%rolling, 'resistance to rolling: a constant torque against it, or a spring with a limit', &
+                  'none | constant_torque | spring')
+    on = settings%rolling == 'constant_torque' .or. settings%rolling == 'spring'
+    call keys%get('rolling_friction', settings%rolling_friction, 'largest rolling torque over normal force and '// &
+                  'r_i r_j/(r_i + r_j), mu_r [-]', '(0, 10]', required=on, when='with rolling')
+    call keys%get('rolling_damping', settings%rolling_damping, 'spring: its damping over the critical one [-]', '[0, 1]')
+    call keys%get('wall_rolling_friction', settings%wall_rolling_friction, 'mu_r against walls; as parcels if not given [-]', &
+                  '[0, 10]')
+    call keys%require(settings%friction > 0 .or. .not. on, 'rolling', 'needs friction: parcels without it do not rotate')
+    call keys%require(on .or. settings%rolling /= 'none' .or. .not. is_set(settings%rolling_friction), 'rolling_friction', &
+                      'belongs to rolling = ''constant_torque'' or ''spring''')
+  end subroutine declare_rolling
 
   !> Keys of the law of Hertz, which may stand where the linear one is chosen, so that one line changes it.
   subroutine declare_hertz(settings, required, keys)

@@ -8,6 +8,8 @@ module contact_sweep
   use contact_law, only: contact_law_t, friction_forces, frictionless_forces
   use contact_list, only: contact_list_t
   use kinds, only: wp
+  use parcels, only: mass_row, spin_row, curvature_row
+  use rolling, only: rolling_torques
   implicit none
   private
   public :: sweep_friction, sweep_frictionless
@@ -43,10 +45,44 @@ contains
       call gather_pairs(16, state, chosen, pair)
       call gather_history(state, list%slip, chosen, spin, slip)
       call friction_forces(law, padded(chosen%n), pair, spin, slip, forces)
+      if (law%rolling%on) call roll_pairs(law, list, state, chosen, pair, forces, force)
       call scatter_history(slip, chosen, list%slip)
       call scatter_friction(forces, chosen, force)
     end do
   end subroutine sweep_friction
+
+  !> Add the torques of pairs that resist rolling. The list still has the steps in which they touched last.
+  pure subroutine roll_pairs(law, list, state, chosen, pair, forces, force)
+    type(contact_law_t), intent(in) :: law
+    type(contact_list_t), intent(inout) :: list
+    real(wp), intent(in) :: state(16, *)
+    type(selection_t), intent(in) :: chosen
+    real(wp), intent(in) :: pair(8, block_pairs), forces(8, block_pairs)
+    real(wp), intent(inout) :: force(8, *)
+
+    real(wp) :: turn(5, block_pairs), angle(3, block_pairs), torque(3, block_pairs), per_r(2)
+    integer :: m, i, j
+
+    do m = 1, chosen%n
+      i = chosen%i(m)
+      j = chosen%j(m)
+      per_r = [state(curvature_row, i), state(curvature_row, j)]
+      turn(1:3, m) = per_r(1)*state(spin_row:spin_row + 2, i) - per_r(2)*state(spin_row:spin_row + 2, j)
+      turn(4, m) = per_r(1) + per_r(2)
+      turn(5, m) = state(mass_row, i)*per_r(1)**2 + state(mass_row, j)*per_r(2)**2
+      if (law%rolling%spring) then
+        angle(:, m) = merge(list%angle(:, chosen%k(m)), 0.0_wp, list%slip(4, chosen%k(m)) >= law%linear%step - 1.5_wp)
+      end if
+    end do
+    call rolling_torques(law%rolling, law%linear%dt, chosen%n, pair, turn, forces, angle, torque)
+    do m = 1, chosen%n
+      i = chosen%i(m)
+      j = chosen%j(m)
+      force(5:7, i) = force(5:7, i) + state(curvature_row, i)*torque(:, m)
+      force(5:7, j) = force(5:7, j) - state(curvature_row, j)*torque(:, m)
+      if (law%rolling%spring) list%angle(:, chosen%k(m)) = angle(:, m)
+    end do
+  end subroutine roll_pairs
 
   !> Add the forces of all pairs that touch, without friction.
   subroutine sweep_frictionless(law, list, state, force)

@@ -96,6 +96,9 @@ contains
     friction = self%pair_law%mu > 0.0_wp .or. self%wall_law%mu > 0.0_wp
     self%list%with_history = friction
     self%walls%with_history = friction
+    self%list%with_angles = self%pair_law%rolling%spring .or. self%wall_law%rolling%spring
+    self%walls%with_angles = self%list%with_angles
+    if (self%list%with_angles) self%history%rows = 6
     call self%parcels%create(friction, with_gas)
     call self%history%clear()
   end subroutine create

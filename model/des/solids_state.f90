@@ -31,7 +31,7 @@ module solids_state
     real(wp), allocatable :: parcels(:,:)
     integer(i8), allocatable :: labels(:,:)     !< (3,n) id, powder, number of contacts
     integer(i8), allocatable :: partner(:)      !< (contacts) id, or -face of a wall; parcel after parcel
-    real(wp), allocatable :: slip(:,:)          !< (3,contacts) from the parcel to the partner [m]
+    real(wp), allocatable :: slip(:,:)          !< (3 or 6,contacts) from the parcel to the partner, see contact_history
   end type solids_state_t
 
 contains
@@ -81,6 +81,7 @@ contains
     type(history_t) :: history
     integer :: next(solids%parcels%n), m, i, j
 
+    history%rows = solids%history%rows
     call history%clear()
     if (solids%parcels%rotation .and. solids%rebuilds > 0) then
       call history%collect(solids%list, solids%walls, solids%parcels, solids%step)
@@ -91,7 +92,7 @@ contains
       state%labels(3, i) = state%labels(3, i) + 1
       if (j > 0) state%labels(3, j) = state%labels(3, j) + 1
     end do
-    allocate (state%partner(sum(state%labels(3, :))), state%slip(3, sum(state%labels(3, :))))
+    allocate (state%partner(sum(state%labels(3, :))), state%slip(history%rows, sum(state%labels(3, :))))
     m = 1
     do i = 1, size(next)
       next(i) = m
@@ -113,7 +114,7 @@ contains
     subroutine put(own, other_id, slip)
       integer, intent(in) :: own
       integer(i8), intent(in) :: other_id
-      real(wp), intent(in) :: slip(3)
+      real(wp), intent(in) :: slip(:)
 
       state%partner(next(own)) = other_id
       state%slip(:, next(own)) = slip

@@ -7,7 +7,8 @@ module walls
   use contact_law, only: contact_law_t, friction_forces, frictionless_forces
   use contact_list, only: never
   use kinds, only: wp
-  use parcels, only: parcels_t
+  use parcels, only: parcels_t, mass_row, spin_row, curvature_row
+  use rolling, only: rolling_torques
   use chamber, only: chamber_t, face_normal, n_faces
   implicit none
   private
@@ -19,15 +20,19 @@ module walls
   !> shells, each ordered by column.
   type :: wall_list_t
     logical :: with_history = .false.
+    logical :: with_angles = .false.      !< see contact_list
     integer :: entries = 0
     integer :: kind_end(3) = 0            !< last entry of faces, of planes, of shells
     integer :: through = 0                !< column of a parcel that is beyond a wall, 0 if there is none
     integer, allocatable :: parcel(:)     !< (entries) column
     integer, allocatable :: face(:)       !< (entries) see chamber
     real(wp), allocatable :: slip(:,:)    !< (4, entries) 1:3 tangential slip [m], 4 step of last touch
+    real(wp), allocatable :: angle(:,:)   !< (3, entries) with the rolling spring: angle rolled [rad]
   contains
     procedure :: build
     procedure :: sweep
+    procedure :: memory_of
+    procedure :: remind
   end type wall_list_t
 
 contains
@@ -68,6 +73,9 @@ contains
     allocate (self%slip(4, n))
     self%slip(1:3, :) = 0.0_wp
     self%slip(4, :) = never
+    if (.not. self%with_angles) return
+    if (allocated(self%angle)) deallocate (self%angle)
+    allocate (self%angle(3, n), source=0.0_wp)
   end subroutine build
 
   !> The entries of planes and shells.
@@ -150,11 +158,11 @@ contains
         end if
       end associate
       if (n == block_pairs) then
-        call apply(self, law, touching(1:n), pair, parcels)
+        call apply(self, chamber, law, touching(1:n), pair, parcels)
         n = 0
       end if
     end do
-    if (n > 0) call apply(self, law, touching(1:n), pair, parcels)
+    if (n > 0) call apply(self, chamber, law, touching(1:n), pair, parcels)
   end subroutine sweep_faces
 
   pure subroutine sweep_planes(self, chamber, law, parcels)
@@ -181,11 +189,11 @@ contains
         end if
       end associate
       if (n == block_pairs) then
-        call apply(self, law, touching(1:n), pair, parcels)
+        call apply(self, chamber, law, touching(1:n), pair, parcels)
         n = 0
       end if
     end do
-    if (n > 0) call apply(self, law, touching(1:n), pair, parcels)
+    if (n > 0) call apply(self, chamber, law, touching(1:n), pair, parcels)
   end subroutine sweep_planes
 
   pure subroutine sweep_shells(self, chamber, law, parcels)
@@ -213,16 +221,17 @@ contains
         end if
       end associate
       if (n == block_pairs) then
-        call apply(self, law, touching(1:n), pair, parcels)
+        call apply(self, chamber, law, touching(1:n), pair, parcels)
         n = 0
       end if
     end do
-    if (n > 0) call apply(self, law, touching(1:n), pair, parcels)
+    if (n > 0) call apply(self, chamber, law, touching(1:n), pair, parcels)
   end subroutine sweep_shells
 
   !> Forces of a block of contacts with walls. Lanes left over repeat the last contact.
-  pure subroutine apply(self, law, touching, pair, parcels)
+  pure subroutine apply(self, chamber, law, touching, pair, parcels)
     class(wall_list_t), intent(inout) :: self
+    type(chamber_t), intent(in) :: chamber
     type(contact_law_t), intent(in) :: law
     integer, intent(in) :: touching(:)                 !< (n) entries
     real(wp), intent(inout) :: pair(8, block_pairs)    !< see contact_linear
@@ -251,11 +260,65 @@ contains
       slip(:, m) = self%slip(:, touching(min(m, n)))
     end do
     call friction_forces(law, full, pair, spin, slip, force)
+    if (law%rolling%on) call roll(self, chamber, law, touching, pair, force, parcels)
     do m = 1, n
       i = self%parcel(touching(m))
       self%slip(:, touching(m)) = slip(:, m)
       parcels%force(:, i) = parcels%force(:, i) + force(:, m)
     end do
   end subroutine apply
+
+  !> Torques that resist rolling on the walls. The list still has the steps in which the contacts touched last.
+  pure subroutine roll(self, chamber, law, touching, pair, force, parcels)
+    class(wall_list_t), intent(inout) :: self
+    type(chamber_t), intent(in) :: chamber
+    type(contact_law_t), intent(in) :: law
+    integer, intent(in) :: touching(:)                                !< (n) entries
+    real(wp), intent(in) :: pair(8, block_pairs), force(8, block_pairs)
+    type(parcels_t), intent(inout) :: parcels
+
+    real(wp) :: turn(5, block_pairs), angle(3, block_pairs), torque(3, block_pairs)
+    integer :: m, i, w
+
+    do m = 1, size(touching)
+      w = touching(m)
+      associate (s => parcels%state(:, self%parcel(w)))
+        turn(1:3, m) = s(curvature_row)*s(spin_row:spin_row + 2) - chamber%spin_of(self%face(w))
+        turn(4, m) = s(curvature_row)
+        turn(5, m) = s(mass_row)*s(curvature_row)**2
+      end associate
+      if (law%rolling%spring) then
+        angle(:, m) = merge(self%angle(:, w), 0.0_wp, self%slip(4, w) >= law%linear%step - 1.5_wp)
+      end if
+    end do
+    call rolling_torques(law%rolling, law%linear%dt, size(touching), pair, turn, force, angle, torque)
+    do m = 1, size(touching)
+      w = touching(m)
+      i = self%parcel(w)
+      parcels%force(5:7, i) = parcels%force(5:7, i) + parcels%state(curvature_row, i)*torque(:, m)
+      if (law%rolling%spring) self%angle(:, w) = angle(:, m)
+    end do
+  end subroutine roll
+
+  !> What an entry remembers beside the step of its last touch: the slip and, if there is one, the angle.
+  pure function memory_of(self, entry) result(memory)
+    class(wall_list_t), intent(in) :: self
+    integer, intent(in) :: entry
+    real(wp) :: memory(merge(6, 3, self%with_angles))
+
+    memory(1:3) = self%slip(1:3, entry)
+    if (self%with_angles) memory(4:6) = self%angle(:, entry)
+  end function memory_of
+
+  !> Give it back.
+  pure subroutine remind(self, entry, memory, step)
+    class(wall_list_t), intent(inout) :: self
+    integer, intent(in) :: entry
+    real(wp), intent(in) :: memory(:)  !< as `memory_of`
+    real(wp), intent(in) :: step       !< of the last touch
+
+    self%slip(:, entry) = [memory(1:3), step]
+    if (self%with_angles) self%angle(:, entry) = memory(4:6)
+  end subroutine remind
 
 end module walls

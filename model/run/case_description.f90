@@ -173,6 +173,7 @@ contains
                                              //' times as wide as their particles')
       if (contact%friction > 0) then
         call line(unit, '', 'friction '//shown(contact%friction)//': parcels rotate, contacts remember their slip')
+        call describe_rolling(contact, unit)
       else
         call line(unit, '', 'no friction: no rotation, no memory of contacts')
       end if
@@ -185,6 +186,23 @@ contains
               //' s'//impact_words(case%contact)//',')
     call line(unit, '', 'more where a parcel would move by over a tenth of the smallest radius in one')
   end subroutine describe_contact
+
+  subroutine describe_rolling(contact, unit)
+    type(contact_settings_t), intent(in) :: contact
+    integer, intent(in) :: unit
+
+    character(len=:), allocatable :: words
+
+    if (contact%rolling == 'none') return
+    words = 'rolling friction '//shown(contact%rolling_friction)
+    if (is_set(contact%wall_rolling_friction)) words = words//', '//shown(contact%wall_rolling_friction)//' on walls'
+    if (contact%rolling == 'spring') then
+      words = words//' by a spring: contacts remember the angle they have rolled'
+    else
+      words = words//' by a constant torque, which holds nothing at rest'
+    end if
+    call line(unit, '', words)
+  end subroutine describe_rolling
 
   pure function law_words(contact) result(words)
     type(contact_settings_t), intent(in) :: contact

@@ -162,6 +162,10 @@ contains
     contacts = int(sum(state%labels(3, :)))
     call file%get('contact_partner', state%partner, columns=contacts)
     call file%get('contact_slip', state%slip, columns=contacts)
+    if (size(state%slip, 1) /= scene%solids%history%rows) then
+      call outcome%fail(exit_input, 'the restart file is of a run with a rolling spring, or this case is: both or none must be')
+      return
+    end if
     state%scalars = numbers(:n_scalars)
     state%counts = nint(numbers(n_scalars + 1:n_scalars + n_counts), i8)
     call import_state(scene%solids, state, outcome)

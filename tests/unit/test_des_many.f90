@@ -22,8 +22,10 @@ program test_des_many
   call across_a_face()
   call same_on_all_ranks(0.3_wp)
   call same_on_all_ranks(0.0_wp)
+  call same_on_all_ranks(0.3_wp, 'spring')
   call restart(0.3_wp)
   call restart(0.0_wp)
+  call restart(0.3_wp, 'spring')
   call driven_by_gas()
   call through_open_face()
   call trouble()
@@ -32,12 +34,15 @@ program test_des_many
 
 contains
 
-  function material(friction) result(contact)
+  function material(friction, rolling) result(contact)
     real(wp), intent(in) :: friction
+    character(len=*), intent(in), optional :: rolling
     type(contact_settings_t) :: contact
 
     contact%stiffness = 200.0_wp
     contact%friction = friction
+    contact%rolling_friction = 0.1_wp
+    if (present(rolling)) contact%rolling = rolling
   end function material
 
   !> What must hold on every rank, told once.
@@ -52,17 +57,18 @@ contains
   end subroutine expect_all
 
   !> A cloud of n parcels that falls into a corner of its chamber.
-  subroutine falling(ranks, n, friction, periodic, solids)
+  subroutine falling(ranks, n, friction, periodic, solids, rolling)
     type(communicator_t), intent(in) :: ranks
     integer, intent(in) :: n
     real(wp), intent(in) :: friction
     logical, intent(in) :: periodic(3)
     type(solids_t), intent(out) :: solids
+    character(len=*), intent(in), optional :: rolling
 
     real(wp), allocatable :: x(:,:), v(:,:), diameter(:)
 
     call cloud(n, [0.0_wp, 0.0_wp, 0.0_wp], 1.25e-3_wp, [8, 6], x, v, diameter)
-    solids = scene(ranks, [0.01_wp, 0.0075_wp, 0.02_wp], -9.81_wp, material(friction), periodic)
+    solids = scene(ranks, [0.01_wp, 0.0075_wp, 0.02_wp], -9.81_wp, material(friction, rolling), periodic)
     call put(solids, x, v, diameter)
   end subroutine falling
 
@@ -193,8 +199,9 @@ contains
   end subroutine across_a_face
 
   !> All ranks together and each by itself compute the same fall.
-  subroutine same_on_all_ranks(friction)
+  subroutine same_on_all_ranks(friction, rolling)
     real(wp), intent(in) :: friction
+    character(len=*), intent(in), optional :: rolling
 
     type(solids_t) :: together, apart
     type(outcome_t) :: outcome
@@ -203,8 +210,8 @@ contains
     integer :: i
 
     ever = .false.
-    call falling(comm, 400, friction, [.true., .false., .false.], together)
-    call falling(alone, 400, friction, [.true., .false., .false.], apart)
+    call falling(comm, 400, friction, [.true., .false., .false.], together, rolling)
+    call falling(alone, 400, friction, [.true., .false., .false.], apart, rolling)
     do i = 1, 10
       call run(together, 25, apart%time_step_limit())
       call together%rebalance(changed, outcome)
@@ -217,11 +224,13 @@ contains
     call expect_all(apart%rebuilds > 2, 'lists are made anew while they fall')
     call expect_all(all(abs(a(1:3, :) - b(1:3, :)) < 1.0e-10_wp*0.01_wp), 'positions do not depend on the ranks')
     call expect_all(all(abs(a(5:7, :) - b(5:7, :)) < 1.0e-10_wp*0.5_wp), 'nor velocities')
+    if (size(a, 1) > 8) call expect_all(all(abs(a(9:11, :) - b(9:11, :)) < 1.0e-10_wp*0.5_wp), 'nor spins')
   end subroutine same_on_all_ranks
 
   !> A run taken up from its exported state is the uninterrupted run, bit for bit.
-  subroutine restart(friction)
+  subroutine restart(friction, rolling)
     real(wp), intent(in) :: friction
+    character(len=*), intent(in), optional :: rolling
 
     type(solids_t) :: whole, resumed
     type(solids_state_t) :: state
@@ -229,13 +238,13 @@ contains
     real(wp) :: dt
     logical :: changed
 
-    call falling(comm, 400, friction, [.true., .false., .false.], whole)
+    call falling(comm, 400, friction, [.true., .false., .false.], whole, rolling)
     dt = whole%time_step_limit()
     call run(whole, 513, dt)
     call whole%rebalance(changed, outcome)
     call run(whole, 4, dt)
     call export_state(whole, state)
-    resumed = scene(comm, [0.01_wp, 0.0075_wp, 0.02_wp], -9.81_wp, material(friction), [.true., .false., .false.])
+    resumed = scene(comm, [0.01_wp, 0.0075_wp, 0.02_wp], -9.81_wp, material(friction, rolling), [.true., .false., .false.])
     call import_state(resumed, state, outcome)
     call expect_all(.not. outcome%failed(), 'a state is taken up')
     call run(whole, 300, dt)
