@@ -23,6 +23,7 @@ module chamber
     procedure :: add_walls
     procedure :: is_wall
     procedure :: distance
+    procedure :: approach
     procedure :: approach_shell
     procedure :: spin_of
     procedure :: is_beyond
@@ -106,6 +107,26 @@ contains
       end if
     end if
   end function distance
+
+  !> The way from the nearest point of a wall, and its length, positive where parcels may be.
+  pure subroutine approach(self, face, x, way, distance)
+    class(chamber_t), intent(in) :: self
+    integer, intent(in) :: face
+    real(wp), intent(in) :: x(3)       !< [m]
+    real(wp), intent(out) :: way(3)    !< [m]
+    real(wp), intent(out) :: distance  !< [m]
+
+    if (face > n_faces + self%n_planes) then
+      call self%approach_shell(face - n_faces - self%n_planes, x, way, distance)
+    else
+      distance = self%distance(face, x)
+      if (face > n_faces) then
+        way = distance*self%planes(face - n_faces)%normal
+      else
+        way = distance*face_normal(face)
+      end if
+    end if
+  end subroutine approach
 
   !> The way from the nearest point of a shell, and its length. A rim shared with another shell is felt once, and only
   !> where neither has a point that is nearer: elsewhere the distance is huge.

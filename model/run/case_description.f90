@@ -171,6 +171,7 @@ contains
       call line(unit, 'contact', law_words(contact)//', restitution '//shown(contact%restitution)//' for every pair')
       if (is_set(case%coarseness)) call line(unit, '', 'scaled to parcels '//brief(case%coarseness) &
                                              //' times as wide as their particles')
+      call describe_cohesion(contact, unit)
       if (contact%friction > 0) then
         call line(unit, '', 'friction '//shown(contact%friction)//': parcels rotate, contacts remember their slip')
         call describe_rolling(contact, unit)
@@ -186,6 +187,25 @@ contains
               //' s'//impact_words(case%contact)//',')
     call line(unit, '', 'more where a parcel would move by over a tenth of the smallest radius in one')
   end subroutine describe_contact
+
+  subroutine describe_cohesion(contact, unit)
+    type(contact_settings_t), intent(in) :: contact
+    integer, intent(in) :: unit
+
+    character(len=:), allocatable :: walls
+
+    walls = ''
+    select case (contact%cohesion)
+    case ('van_der_waals')
+      if (is_set(contact%wall_hamaker_constant)) walls = ', '//brief(contact%wall_hamaker_constant)//' J at walls'
+      call line(unit, '', 'van der Waals attraction, '//brief(contact%hamaker_constant)//' J'//walls//', up to a gap of ' &
+                //brief(contact%maximum_separation)//' m, constant below '//brief(contact%minimum_separation)//' m')
+    case ('linear')
+      if (is_set(contact%wall_cohesion_energy)) walls = ', '//brief(contact%wall_cohesion_energy)//' J/m3 at walls'
+      call line(unit, '', 'attraction '//brief(contact%cohesion_energy)//' J/m3 over the area of contact'//walls)
+    case default
+    end select
+  end subroutine describe_cohesion
 
   subroutine describe_rolling(contact, unit)
     type(contact_settings_t), intent(in) :: contact

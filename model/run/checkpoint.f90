@@ -152,6 +152,10 @@ contains
     integer :: contacts
 
     call file%get_copy('solids', numbers)
+    if (size(numbers) /= n_scalars + n_counts) then
+      call outcome%fail(exit_input, 'the restart file holds other numbers of the parcels than this program writes')
+      return
+    end if
     call file%get_copy('tile_owner', state%owner)
     call file%get('parcels', state%parcels)
     call file%get('parcel_labels', state%labels)

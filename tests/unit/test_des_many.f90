@@ -26,6 +26,7 @@ program test_des_many
   call restart(0.3_wp)
   call restart(0.0_wp)
   call restart(0.3_wp, 'spring')
+  call attraction()
   call driven_by_gas()
   call through_open_face()
   call trouble()
@@ -42,7 +43,12 @@ contains
     contact%stiffness = 200.0_wp
     contact%friction = friction
     contact%rolling_friction = 0.1_wp
-    if (present(rolling)) contact%rolling = rolling
+    if (.not. present(rolling)) return
+    contact%rolling = rolling
+    contact%cohesion = 'van_der_waals'
+    contact%hamaker_constant = 1.0e-15_wp
+    contact%minimum_separation = 1.0e-7_wp
+    contact%maximum_separation = 2.0e-4_wp
   end function material
 
   !> What must hold on every rank, told once.
@@ -258,6 +264,47 @@ contains
                       'and its state is the same, bit for bit')
     end associate
   end subroutine restart
+
+  !> Parcels and their images draw on each other as far as the attraction reaches: the forces of all pairs, in one step.
+  subroutine attraction()
+    integer, parameter :: n = 60
+    real(wp), parameter :: edge = 0.006_wp, reach = 4.0e-4_wp, hamaker = 1.0e-9_wp, nearest = 1.0e-5_wp
+    type(solids_t) :: solids
+    type(contact_settings_t) :: contact
+    real(wp), allocatable :: x(:,:), v(:,:), diameter(:), a(:,:)
+    real(wp) :: pull(3), way(3), gap, largest, wrong, dt
+    integer :: i, j, pairs
+
+    contact = material(0.0_wp, 'none')
+    contact%hamaker_constant = hamaker
+    contact%minimum_separation = nearest
+    contact%maximum_separation = reach
+    call cloud(n, [0.0_wp, 0.0_wp, 0.0_wp], 1.35e-3_wp, [4, 4], x, v, diameter)
+    solids = scene(comm, [edge, edge, edge], 0.0_wp, contact, [.true., .true., .true.])
+    call put(solids, x, 0*v, diameter)
+    dt = 1.0e-9_wp
+    call run(solids, 1, dt)
+    call gather(solids, n, a)
+    largest = 0
+    wrong = 0
+    pairs = 0
+    do i = 1, n
+      pull = 0
+      do j = 1, n
+        if (i == j) cycle
+        way = x(:, j) - x(:, i)
+        way = way - edge*nint(way/edge)
+        gap = norm2(way) - (diameter(i) + diameter(j))/2
+        if (gap > reach) cycle
+        if (gap > 0) pairs = pairs + 1
+        pull = pull + hamaker/6/(2/diameter(i) + 2/diameter(j))/max(gap, nearest)**2*way/norm2(way)
+      end do
+      largest = max(largest, norm2(pull))
+      wrong = max(wrong, norm2(pull - a(5:7, i)/a(8, i)/dt))
+    end do
+    call expect_all(pairs > 50, 'parcels attract each other from afar')
+    call expect_all(wrong < 1.0e-6_wp*largest, 'as all pairs within reach do')
+  end subroutine attraction
 
   !> A drive equal to gravity is gravity, and what the gas does stays with its parcel wherever that goes.
   subroutine driven_by_gas()

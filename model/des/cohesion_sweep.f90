@@ -1,0 +1,90 @@
+!> One more pass over the listed pairs, and over the parcels near walls, for runs with cohesion: it reaches farther than
+!> contacts do, and adds its attraction to what they have computed.
+module cohesion_sweep
+  use chamber, only: chamber_t
+  use cohesion, only: cohesion_t, attractions
+  use contact_list, only: contact_list_t
+  use kinds, only: wp
+  use parcels, only: parcels_t, radius_row
+  use walls, only: wall_list_t
+  implicit none
+  private
+  public :: attract_pairs, attract_walls
+
+  integer, parameter :: block_pairs = 256  !< listed pairs of a block, which stays in the L1 cache
+
+contains
+
+  !> Add the attraction of all pairs within reach.
+  pure subroutine attract_pairs(cohesion, list, parcels)
+    type(cohesion_t), intent(in) :: cohesion
+    type(contact_list_t), intent(in) :: list
+    type(parcels_t), intent(inout) :: parcels
+
+    real(wp) :: pair(4, block_pairs), near(4, block_pairs), curvature(block_pairs), force(3, block_pairs)
+    integer :: entry(block_pairs), before, count, n, m, k
+
+    do before = 0, list%entries - 1, block_pairs
+      count = min(list%entries - before, block_pairs)
+      call find_ways(parcels%state, list, before, count, pair)
+      n = 0
+      do m = 1, count
+        entry(n + 1) = before + m
+        near(:, n + 1) = pair(:, m)
+        n = n + merge(1, 0, sum(pair(1:3, m)**2) < (pair(4, m) + cohesion%reach)**2)
+      end do
+      do m = 1, n
+        k = entry(m)
+        curvature(m) = 1/parcels%state(radius_row, list%row(k)) + 1/parcels%state(radius_row, list%partner(k))
+      end do
+      call attractions(cohesion, n, near, curvature, force)
+      do m = 1, n
+        k = entry(m)
+        parcels%force(1:3, list%row(k)) = parcels%force(1:3, list%row(k)) + force(:, m)
+        parcels%force(1:3, list%partner(k)) = parcels%force(1:3, list%partner(k)) - force(:, m)
+      end do
+    end do
+  end subroutine attract_pairs
+
+  !> x_i - x_j and r_i + r_j of the entries that follow [m].
+  pure subroutine find_ways(state, list, before, count, pair)
+    real(wp), intent(in), contiguous :: state(:,:)
+    type(contact_list_t), intent(in) :: list
+    integer, intent(in) :: before, count
+    real(wp), intent(inout) :: pair(4, block_pairs)
+
+    real(wp), parameter :: difference(4) = [-1, -1, -1, 1]
+    integer :: m, l, i, j
+
+    do m = 1, count
+      i = list%row(before + m)
+      j = list%partner(before + m)
+      !$omp simd simdlen(4)
+      do l = 1, 4
+        pair(l, m) = state(l, i) + difference(l)*state(l, j)
+      end do
+    end do
+  end subroutine find_ways
+
+  !> Add the attraction of all walls within reach.
+  pure subroutine attract_walls(cohesion, chamber, walls, parcels)
+    type(cohesion_t), intent(in) :: cohesion
+    type(chamber_t), intent(in) :: chamber
+    type(wall_list_t), intent(in) :: walls
+    type(parcels_t), intent(inout) :: parcels
+
+    real(wp) :: way(3), distance, pair(4, 1), force(3, 1)
+    integer :: w
+
+    do w = 1, walls%entries
+      associate (i => walls%parcel(w))
+        call chamber%approach(walls%face(w), parcels%state(1:3, i), way, distance)
+        if (.not. distance < parcels%state(radius_row, i) + cohesion%reach .or. .not. distance > 0.0_wp) cycle
+        pair(:, 1) = [way, parcels%state(radius_row, i)]
+        call attractions(cohesion, 1, pair, 1/parcels%state(radius_row:radius_row, i), force)
+        parcels%force(1:3, i) = parcels%force(1:3, i) + force(:, 1)
+      end associate
+    end do
+  end subroutine attract_walls
+
+end module cohesion_sweep
