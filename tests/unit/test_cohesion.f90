@@ -1,21 +1,18 @@
 !> Attraction against closed formulas: forces by distance, what parts a pair, what makes it stick.
 !> ranks: 1
 program test_cohesion
-  use chamber, only: chamber_t
   use check, only: expect, expect_close, finish
   use cohesion, only: cohesion_t, attractions
   use communicator, only: communicator_t, start_ranks, stop_ranks
   use constants, only: pi
   use contact_settings, only: contact_settings_t
-  use des_scenes, only: scene, put, place_of, run
-  use des_settings, only: des_settings_t
+  use des_scenes, only: scene, put, run
   use kinds, only: wp
   use solids, only: solids_t
+  use sticky_balls, only: r, m, k, a, near, far, sticky, sticky_by_area, modulus, with_ball, two_balls, gap, parting, well, &
+    sticking_speed
   implicit none
 
-  ! Balls of 0.1 mm and 1.3e-9 kg: touching ones attract each other with three times their weight.
-  real(wp), parameter :: r = 50.0e-6_wp, m = 2500*4*pi/3*r**3, k = 1.0_wp
-  real(wp), parameter :: a = 1.0e-18_wp, near = 1.0e-8_wp, far = 1.0e-6_wp
   type(communicator_t) :: comm
 
   call start_ranks(comm)
@@ -33,57 +30,6 @@ program test_cohesion
   call stop_ranks()
 
 contains
-
-  function sticky(restitution) result(contact)
-    real(wp), intent(in) :: restitution
-    type(contact_settings_t) :: contact
-
-    contact%stiffness = k
-    contact%restitution = restitution
-    contact%cohesion = 'van_der_waals'
-    contact%hamaker_constant = a
-    contact%minimum_separation = near
-    contact%maximum_separation = far
-  end function sticky
-
-  !> Hertz with attraction by area.
-  function sticky_by_area(restitution) result(contact)
-    real(wp), intent(in) :: restitution
-    type(contact_settings_t) :: contact
-
-    contact%law = 'hertz'
-    contact%youngs_modulus = 1.0e6_wp
-    contact%poisson_ratio = 0.25_wp
-    contact%impact_velocity = 0.01_wp
-    contact%restitution = restitution
-    contact%cohesion = 'linear'
-    contact%cohesion_energy = 0.03_wp*modulus(contact)
-  end function sticky_by_area
-
-  pure function modulus(contact)
-    type(contact_settings_t), intent(in) :: contact
-    real(wp) :: modulus
-
-    modulus = contact%youngs_modulus/(2*(1 - contact%poisson_ratio**2))
-  end function modulus
-
-  !> A box with a ball in it, x from the middle of the box, gravity along z.
-  function with_ball(contact, gravity, x, v) result(solids)
-    type(contact_settings_t), intent(in) :: contact
-    real(wp), intent(in) :: gravity, x(3), v(3)
-    type(solids_t) :: solids
-
-    type(chamber_t) :: chamber
-    real(wp) :: place(3, 1), velocity(3, 1)
-
-    chamber%lower = 0.0_wp
-    chamber%upper = 1.0e-3_wp
-    chamber%gravity = [0.0_wp, 0.0_wp, gravity]
-    call solids%create(comm, chamber, contact, des_settings_t(), .false., 0.0_wp)
-    place(:, 1) = 0.5e-3_wp + x
-    velocity(:, 1) = v
-    call put(solids, place, velocity, [2*r])
-  end function with_ball
 
   subroutine forces_by_distance()
     real(wp), parameter :: n(3) = [0.36_wp, 0.48_wp, 0.8_wp], radii(2) = [40.0e-6_wp, 70.0e-6_wp]
@@ -121,7 +67,7 @@ contains
     do i = 1, 2
       share = merge(0.99_wp, 1.01_wp, i == 1)
       dent = max((1 - share)*most/k, 0.0_wp)
-      ball = with_ball(sticky(0.5_wp), -share*most/m, [0.0_wp, 0.0_wp, 0.5e-3_wp - r + dent], [0.0_wp, 0.0_wp, 0.0_wp])
+      ball = with_ball(comm, sticky(0.5_wp), -share*most/m, [0.0_wp, 0.0_wp, 0.5e-3_wp - r + dent], [0.0_wp, 0.0_wp, 0.0_wp])
       call run(ball, nint(5.0e-3_wp/ball%time_step_limit()), ball%time_step_limit())
       if (i == 1) call expect_close(ball%parcels%state(3, 1), 1.0e-3_wp - r + dent, 1.0e-9_wp, 'a light ball hangs')
       if (i == 2) call expect(ball%parcels%state(3, 1) < 1.0e-3_wp - r - far, 'a heavy ball falls')
@@ -142,32 +88,20 @@ contains
     rest = r*(3*pi*contact%cohesion_energy/(4*e))**2
     do i = 1, 2
       share = merge(0.99_wp, 1.01_wp, i == 1)
-      ball = with_ball(contact, -share*most/m, [0.0_wp, 0.0_wp, 0.5e-3_wp - r + 4*rest/9], [0.0_wp, 0.0_wp, 0.0_wp])
+      ball = with_ball(comm, contact, -share*most/m, [0.0_wp, 0.0_wp, 0.5e-3_wp - r + 4*rest/9], [0.0_wp, 0.0_wp, 0.0_wp])
       call run(ball, nint(5.0e-3_wp/ball%time_step_limit()), ball%time_step_limit())
       call expect(ball%parcels%state(3, 1) > 1.0e-3_wp - r .eqv. i == 1, 'by area a ball hangs, too, if it is light')
     end do
-    ball = with_ball(contact, 0.0_wp, [0.0_wp, 0.0_wp, 0.5e-3_wp - r + 4*rest/9], [0.0_wp, 0.0_wp, 0.0_wp])
+    ball = with_ball(comm, contact, 0.0_wp, [0.0_wp, 0.0_wp, 0.5e-3_wp - r + 4*rest/9], [0.0_wp, 0.0_wp, 0.0_wp])
     call run(ball, nint(5.0e-3_wp/ball%time_step_limit()), ball%time_step_limit())
     call expect_close(ball%parcels%state(3, 1) - 1.0e-3_wp + r, rest, 1.0e-6_wp, 'at rest it overlaps by r (3 pi k/(4 E))^2')
   end subroutine hangs_by_area
-
-  !> Energy it takes to part surfaces at rest on a spring without damping, R width of the pair:
-  !> F^2/(2 k) + F h_min + A R/6 (1/h_min - 1/h_max), F = A R/(6 h_min^2).
-  pure function well(width) result(energy)
-    real(wp), intent(in) :: width
-    real(wp) :: energy(2)  !< in contact, and outside [J]
-
-    real(wp) :: f
-
-    f = a*width/(6*near**2)
-    energy = [f**2/(2*k), f*near + a*width/6*(1/near - 1/far)]
-  end function well
 
   subroutine escapes(of_wall)
     logical, intent(in) :: of_wall
 
     type(solids_t) :: balls
-    real(wp) :: width, mass, critical, speed, x(3, 2), v(3, 2), apart, dt
+    real(wp) :: width, mass, critical, speed, dt
     integer :: i, step
 
     width = merge(r, r/2, of_wall)
@@ -176,27 +110,19 @@ contains
     do i = 1, 2
       speed = merge(0.99_wp, 1.01_wp, i == 1)*critical
       if (of_wall) then
-        balls = with_ball(sticky(1.0_wp), 0.0_wp, [0.0_wp, 0.0_wp, r - 0.5e-3_wp - a*width/(6*near**2)/k], &
+        balls = with_ball(comm, sticky(1.0_wp), 0.0_wp, [0.0_wp, 0.0_wp, r - 0.5e-3_wp - a*width/(6*near**2)/k], &
                           [0.0_wp, 0.0_wp, speed])
       else
-        balls = scene(comm, [1.0e-3_wp, 1.0e-3_wp, 1.0e-3_wp], 0.0_wp, sticky(1.0_wp))
-        x = 0.5e-3_wp
-        x(1, 2) = x(1, 1) + 2*r - a*width/(6*near**2)/k
-        v = 0
-        v(1, :) = [-0.5_wp, 0.5_wp]*speed
-        call put(balls, x, v, [2*r, 2*r])
+        balls = two_balls(comm, sticky(1.0_wp), -a*width/(6*near**2)/k, speed)
       end if
       dt = 0.2_wp*balls%time_step_limit()
       do step = 1, nint(20*far/critical/dt)
         call run(balls, 1, dt)
         if (gap(balls) > far) exit
       end do
-      associate (s => balls%parcels%state)
-        apart = merge(s(7, 1), abs(s(5, 1) - s(5, balls%parcels%n)), of_wall)
-      end associate
       call expect(gap(balls) > far .eqv. i == 2, merge('a ball parts from a wall above its escape velocity', &
                                                        'two balls part above their escape velocity        ', of_wall))
-      if (i == 2) call expect_close(apart, sqrt(speed**2 - critical**2), 3.0e-3_wp, 'with what is left of it')
+      if (i == 2) call expect_close(parting(balls), sqrt(speed**2 - critical**2), 3.0e-3_wp, 'with what is left of it')
     end do
   end subroutine escapes
 
@@ -204,7 +130,7 @@ contains
   subroutine escapes_by_area()
     type(contact_settings_t) :: contact
     type(solids_t) :: balls
-    real(wp) :: e, rest, critical, speed, x(3, 2), v(3, 2), dt
+    real(wp) :: e, rest, critical, speed, dt
     integer :: i
 
     contact = sticky_by_area(1.0_wp)
@@ -213,56 +139,24 @@ contains
     critical = sqrt(2*0.1_wp*(pi*contact%cohesion_energy*r/2)**5/(4*e*sqrt(r/2)/3)**4/(m/2))
     do i = 1, 2
       speed = merge(0.98_wp, 1.02_wp, i == 1)*critical
-      balls = scene(comm, [1.0e-3_wp, 1.0e-3_wp, 1.0e-3_wp], 0.0_wp, contact)
-      x = 0.5e-3_wp
-      x(1, 2) = x(1, 1) + 2*r - rest
-      v = 0
-      v(1, :) = [-0.5_wp, 0.5_wp]*speed
-      call put(balls, x, v, [2*r, 2*r])
+      balls = two_balls(comm, contact, -rest, speed)
       dt = 0.2_wp*balls%time_step_limit()
       call run(balls, nint(20*rest/critical/dt), dt)
       call expect(gap(balls) > 0.0_wp .eqv. i == 2, 'by area two balls part above their escape velocity')
     end do
   end subroutine escapes_by_area
 
-  pure function gap(solids)
-    type(solids_t), intent(in) :: solids
-    real(wp) :: gap
-
-    associate (s => solids%parcels%state)
-      if (solids%parcels%n == 1) gap = s(3, 1) - s(4, 1)
-      if (solids%parcels%n == 2) gap = norm2(s(1:3, 1) - s(1:3, 2)) - s(4, 1) - s(4, 2)
-    end associate
-  end function gap
-
-  !> Balls that meet below a certain speed stay together. It is the one with which they leave the contact with just the energy
-  !> of the attraction outside, after a damped swing under its constant force.
+  !> Balls that meet below a certain speed stay together.
   subroutine agglomerates()
     real(wp), parameter :: e = 0.6_wp
     type(solids_t) :: balls
-    real(wp) :: outside(2), critical, low, high, speed, x(3, 2), v(3, 2), dt, nearest
+    real(wp) :: critical, dt, nearest
     integer :: i, step
 
-    outside = well(r/2)
-    low = 0
-    high = 1.0_wp
-    do i = 1, 60
-      critical = (low + high)/2
-      if (left_with(sqrt(critical**2 + 2*outside(2)/(m/2)), e)**2 < 2*outside(2)/(m/2)) then
-        low = critical
-      else
-        high = critical
-      end if
-    end do
+    critical = sticking_speed(e)
     call expect(critical > 1.0e-3_wp .and. critical < 0.1_wp, 'there is such a speed')
     do i = 1, 2
-      speed = merge(0.97_wp, 1.03_wp, i == 1)*critical
-      balls = scene(comm, [1.0e-3_wp, 1.0e-3_wp, 1.0e-3_wp], 0.0_wp, sticky(e))
-      x = 0.5e-3_wp
-      x(1, 2) = x(1, 1) + 2*r + 1.1_wp*far
-      v = 0
-      v(1, :) = [0.5_wp, -0.5_wp]*speed
-      call put(balls, x, v, [2*r, 2*r])
+      balls = two_balls(comm, sticky(e), 1.1_wp*far, -merge(0.97_wp, 1.03_wp, i == 1)*critical)
       dt = 0.1_wp*balls%time_step_limit()
       nearest = far
       do step = 1, nint(40*far/critical/dt)
@@ -275,31 +169,6 @@ contains
     end do
   end subroutine agglomerates
 
-  !> Speed with which the overlap of two balls that began with `speed` ends; 0 if it never does.
-  pure function left_with(speed, restitution) result(after)
-    real(wp), intent(in) :: speed, restitution
-    real(wp) :: after
-
-    real(wp) :: zeta, omega, damped, rest, b, t, step, delta
-    integer :: i
-
-    zeta = -log(restitution)/sqrt(pi**2 + log(restitution)**2)
-    omega = sqrt(k/(m/2))
-    damped = omega*sqrt(1 - zeta**2)
-    rest = a*(r/2)/(6*near**2)/k
-    b = (speed - zeta*omega*rest)/damped
-    step = 1.0e-4_wp/omega
-    after = 0
-    do i = 1, 100000
-      t = i*step
-      delta = rest + exp(-zeta*omega*t)*(b*sin(damped*t) - rest*cos(damped*t))
-      if (delta > 0) cycle
-      after = -exp(-zeta*omega*t)*(damped*(b*cos(damped*t) + rest*sin(damped*t)) &
-                                   - zeta*omega*(b*sin(damped*t) - rest*cos(damped*t)))
-      return
-    end do
-  end function left_with
-
   !> Friction sees the repulsion that balances the attraction: a ball without weight slides on a floor by mu F/m.
   subroutine friction_of_attraction()
     real(wp), parameter :: mu = 0.3_wp, u = 0.01_wp, f = a*r/(6*near**2)
@@ -308,7 +177,7 @@ contains
 
     contact = sticky(0.5_wp)
     contact%friction = mu
-    ball = with_ball(contact, 0.0_wp, [-2.0e-4_wp, 0.0_wp, r - f/k - 0.5e-3_wp], [u, 0.0_wp, 0.0_wp])
+    ball = with_ball(comm, contact, 0.0_wp, [-2.0e-4_wp, 0.0_wp, r - f/k - 0.5e-3_wp], [u, 0.0_wp, 0.0_wp])
     call run(ball, nint(0.1_wp*u*m/(mu*f)/ball%time_step_limit()), ball%time_step_limit())
     call expect_close((u - ball%parcels%state(5, 1))/ball%time, mu*f/m, 1.0e-6_wp, 'friction of a ball that is attracted')
   end subroutine friction_of_attraction
