@@ -12,6 +12,7 @@
 !> carries load and attraction together: mu (N + F), as Derjaguin, Z. Phys. 88 (1934) 661-675, has it.
 module cohesion
   use constants, only: pi
+  use contact_lanes, only: lanes
   use kinds, only: wp
   implicit none
   private
@@ -44,7 +45,7 @@ contains
     if (self%on .and. self%van_der_waals) time = pi*sqrt(self%nearest**3/(2*self%strength*ratio))
   end function time
 
-  !> Forces on i of n pairs (i, j).
+  !> Forces on i of n pairs (i, j), n a multiple of `lanes`.
   pure subroutine attractions(cohesion, n, pair, curvature, force)
     type(cohesion_t), intent(in) :: cohesion
     integer, intent(in) :: n
@@ -52,30 +53,53 @@ contains
     real(wp), intent(in) :: curvature(n)  !< 1/R [1/m]
     real(wp), intent(out) :: force(3, n)  !< [N]
 
+    integer :: k
+
+    do k = 1, n, lanes
+      if (cohesion%van_der_waals) then
+        call across_gaps(cohesion, pair(:, k:k + lanes - 1), curvature(k:k + lanes - 1), force(:, k:k + lanes - 1))
+      else
+        call by_area(cohesion, pair(:, k:k + lanes - 1), curvature(k:k + lanes - 1), force(:, k:k + lanes - 1))
+      end if
+    end do
+  end subroutine attractions
+
+  pure subroutine across_gaps(cohesion, pair, curvature, force)
+    type(cohesion_t), intent(in) :: cohesion
+    real(wp), intent(in) :: pair(4, lanes), curvature(lanes)
+    real(wp), intent(out) :: force(3, lanes)
+
     real(wp) :: d, h, pull
     integer :: k
 
-    if (cohesion%van_der_waals) then
-      !$omp simd private(d, h, pull)
-      do k = 1, n
-        d = sqrt(pair(1, k)**2 + pair(2, k)**2 + pair(3, k)**2)
-        h = d - pair(4, k)
-        pull = cohesion%strength/(curvature(k)*max(h, cohesion%nearest)**2*d)
-        pull = merge(pull, 0.0_wp, h < cohesion%reach)
-        force(1, k) = -pull*pair(1, k)
-        force(2, k) = -pull*pair(2, k)
-        force(3, k) = -pull*pair(3, k)
-      end do
-    else
-      !$omp simd private(d, pull)
-      do k = 1, n
-        d = sqrt(pair(1, k)**2 + pair(2, k)**2 + pair(3, k)**2)
-        pull = cohesion%strength*max(pair(4, k) - d, 0.0_wp)/(curvature(k)*d)
-        force(1, k) = -pull*pair(1, k)
-        force(2, k) = -pull*pair(2, k)
-        force(3, k) = -pull*pair(3, k)
-      end do
-    end if
-  end subroutine attractions
+    !$omp simd simdlen(8) private(d, h, pull)
+    do k = 1, lanes
+      d = sqrt(pair(1, k)*pair(1, k) + pair(2, k)*pair(2, k) + pair(3, k)*pair(3, k))
+      h = d - pair(4, k)
+      pull = cohesion%strength/(curvature(k)*max(h, cohesion%nearest)**2*d)
+      pull = merge(pull, 0.0_wp, h < cohesion%reach)
+      force(1, k) = -pull*pair(1, k)
+      force(2, k) = -pull*pair(2, k)
+      force(3, k) = -pull*pair(3, k)
+    end do
+  end subroutine across_gaps
+
+  pure subroutine by_area(cohesion, pair, curvature, force)
+    type(cohesion_t), intent(in) :: cohesion
+    real(wp), intent(in) :: pair(4, lanes), curvature(lanes)
+    real(wp), intent(out) :: force(3, lanes)
+
+    real(wp) :: d, pull
+    integer :: k
+
+    !$omp simd simdlen(8) private(d, pull)
+    do k = 1, lanes
+      d = sqrt(pair(1, k)*pair(1, k) + pair(2, k)*pair(2, k) + pair(3, k)*pair(3, k))
+      pull = cohesion%strength*max(pair(4, k) - d, 0.0_wp)/(curvature(k)*d)
+      force(1, k) = -pull*pair(1, k)
+      force(2, k) = -pull*pair(2, k)
+      force(3, k) = -pull*pair(3, k)
+    end do
+  end subroutine by_area
 
 end module cohesion

@@ -2,6 +2,7 @@
 !> contacts do, and adds its attraction to what they have computed.
 module cohesion_sweep
   use chamber, only: chamber_t
+  use contact_lanes, only: lanes
   use cohesion, only: cohesion_t, attractions
   use contact_list, only: contact_list_t
   use kinds, only: wp
@@ -22,7 +23,7 @@ contains
     type(parcels_t), intent(inout) :: parcels
 
     real(wp) :: pair(4, block_pairs), near(4, block_pairs), curvature(block_pairs), force(3, block_pairs)
-    integer :: entry(block_pairs), before, count, n, m, k
+    integer :: entry(block_pairs), before, count, n, full, m, k
 
     do before = 0, list%entries - 1, block_pairs
       count = min(list%entries - before, block_pairs)
@@ -37,7 +38,12 @@ contains
         k = entry(m)
         curvature(m) = 1/parcels%state(radius_row, list%row(k)) + 1/parcels%state(radius_row, list%partner(k))
       end do
-      call attractions(cohesion, n, near, curvature, force)
+      full = lanes*((n + lanes - 1)/lanes)
+      do m = n + 1, full
+        near(:, m) = near(:, n)
+        curvature(m) = curvature(n)
+      end do
+      call attractions(cohesion, full, near, curvature, force)
       do m = 1, n
         k = entry(m)
         parcels%force(1:3, list%row(k)) = parcels%force(1:3, list%row(k)) + force(:, m)
@@ -73,15 +79,16 @@ contains
     type(wall_list_t), intent(in) :: walls
     type(parcels_t), intent(inout) :: parcels
 
-    real(wp) :: way(3), distance, pair(4, 1), force(3, 1)
+    real(wp) :: way(3), distance, pair(4, lanes), curvature(lanes), force(3, lanes)
     integer :: w
 
     do w = 1, walls%entries
       associate (i => walls%parcel(w))
         call chamber%approach(walls%face(w), parcels%state(1:3, i), way, distance)
         if (.not. distance < parcels%state(radius_row, i) + cohesion%reach .or. .not. distance > 0.0_wp) cycle
-        pair(:, 1) = [way, parcels%state(radius_row, i)]
-        call attractions(cohesion, 1, pair, 1/parcels%state(radius_row:radius_row, i), force)
+        pair = spread([way, parcels%state(radius_row, i)], 2, lanes)
+        curvature = 1/parcels%state(radius_row, i)
+        call attractions(cohesion, lanes, pair, curvature, force)
         parcels%force(1:3, i) = parcels%force(1:3, i) + force(:, 1)
       end associate
     end do

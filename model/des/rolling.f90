@@ -18,6 +18,7 @@
 !>
 !> theta is that of the end of the step; forces, which belong to the middle, take it half a step before.
 module rolling
+  use contact_lanes, only: lanes
   use kinds, only: wp
   implicit none
   private
@@ -52,36 +53,43 @@ contains
     if (self%on .and. self%spring) factor = max(1.0_wp, sqrt(spring_factor*per_inertia)*self%mu)
   end function hurry
 
-  !> Torques on i of n touching pairs (i, j); those on j are the opposite.
+  !> Torques on i of n touching pairs (i, j), n a multiple of `lanes`; those on j are the opposite.
   pure subroutine rolling_torques(rolling, dt, n, pair, turn, force, angle, torque)
     type(rolling_t), intent(in) :: rolling
     real(wp), intent(in) :: dt              !< time step [s]
     integer, intent(in) :: n
     real(wp), intent(in) :: pair(8, n)      !< 1:3 x_i - x_j, 4 r_i + r_j [m]
     real(wp), intent(in) :: turn(5, n)      !< 1:3 omega_i - omega_j [rad/s], 4 1/R [1/m], 5 sum 1/(m r^2) [1/(kg m2)]
-    real(wp), intent(in) :: force(8, n)     !< 1:3 force of the contact on i [N]
+    real(wp), intent(in) :: force(3, n)     !< of the contact, on i [N]
     real(wp), intent(inout) :: angle(3, n)  !< theta; read and written by the spring only [rad]
     real(wp), intent(out) :: torque(3, n)   !< [N m]
 
+    integer :: k
+
     if (rolling%spring) then
-      call spring_torques(rolling, dt, n, pair, turn, force, angle, torque)
+      do k = 1, n, lanes
+        call spring_torques(rolling, dt, pair(:, k:k + lanes - 1), turn(:, k:k + lanes - 1), force(:, k:k + lanes - 1), &
+                            angle(:, k:k + lanes - 1), torque(:, k:k + lanes - 1))
+      end do
     else
-      call constant_torques(rolling, dt, n, pair, turn, force, torque)
+      do k = 1, n, lanes
+        call constant_torques(rolling, dt, pair(:, k:k + lanes - 1), turn(:, k:k + lanes - 1), force(:, k:k + lanes - 1), &
+                              torque(:, k:k + lanes - 1))
+      end do
     end if
   end subroutine rolling_torques
 
-  pure subroutine constant_torques(rolling, dt, n, pair, turn, force, torque)
+  pure subroutine constant_torques(rolling, dt, pair, turn, force, torque)
     type(rolling_t), intent(in) :: rolling
     real(wp), intent(in) :: dt
-    integer, intent(in) :: n
-    real(wp), intent(in) :: pair(8, n), turn(5, n), force(8, n)
-    real(wp), intent(out) :: torque(3, n)
+    real(wp), intent(in) :: pair(8, lanes), turn(5, lanes), force(3, lanes)
+    real(wp), intent(out) :: torque(3, lanes)
 
     real(wp) :: x, y, z, per_square, along, u, v, w, speed, f_n, part
     integer :: k
 
-    !$omp simd private(x, y, z, per_square, along, u, v, w, speed, f_n, part)
-    do k = 1, n
+    !$omp simd simdlen(8) private(x, y, z, per_square, along, u, v, w, speed, f_n, part)
+    do k = 1, lanes
       x = pair(1, k)
       y = pair(2, k)
       z = pair(3, k)
@@ -99,19 +107,18 @@ contains
     end do
   end subroutine constant_torques
 
-  pure subroutine spring_torques(rolling, dt, n, pair, turn, force, angle, torque)
+  pure subroutine spring_torques(rolling, dt, pair, turn, force, angle, torque)
     type(rolling_t), intent(in) :: rolling
     real(wp), intent(in) :: dt
-    integer, intent(in) :: n
-    real(wp), intent(in) :: pair(8, n), turn(5, n), force(8, n)
-    real(wp), intent(inout) :: angle(3, n)
-    real(wp), intent(out) :: torque(3, n)
+    real(wp), intent(in) :: pair(8, lanes), turn(5, lanes), force(3, lanes)
+    real(wp), intent(inout) :: angle(3, lanes)
+    real(wp), intent(out) :: torque(3, lanes)
 
     real(wp) :: x, y, z, square, per_d, along, u, v, w, a, b, c, f_n, k_n, k_r, cap, c_r, most, size, delta
     integer :: k
 
-    !$omp simd private(x, y, z, square, per_d, along, u, v, w, a, b, c, f_n, k_n, k_r, cap, c_r, most, size, delta)
-    do k = 1, n
+    !$omp simd simdlen(8) private(x, y, z, square, per_d, along, u, v, w, a, b, c, f_n, k_n, k_r, cap, c_r, most, size, delta)
+    do k = 1, lanes
       x = pair(1, k)
       y = pair(2, k)
       z = pair(3, k)

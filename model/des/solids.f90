@@ -5,6 +5,7 @@
 !> moved half the skin since the lists were made, new lists. Making them moves parcels to the ranks that own
 !> their places, sorts them in space and gives the contacts their slips back.
 module solids
+  use close_pairs, only: close_pairs_t
   use cohesion_sweep, only: attract_pairs, attract_walls
   use communicator, only: communicator_t
   use contact_history, only: history_t
@@ -44,6 +45,7 @@ module solids
     type(tiles_t) :: tiles               !< exist once parcels do
     integer :: tilings = 0               !< how often tiles were made or changed hands
     type(contact_list_t) :: list
+    type(close_pairs_t) :: pairs         !< pairs of the list
     type(wall_list_t) :: walls
     type(ghosts_t) :: ghosts
     type(history_t) :: history           !< slips between two lists
@@ -58,6 +60,7 @@ module solids
     real(wp) :: time = 0.0_wp            !< [s]
     real(wp) :: step = 0.0_wp            !< steps done; a real, as the slips keep it
     real(wp) :: travelled = 0.0_wp       !< at most, by any parcel since the lists were made [m]
+    real(wp) :: speed = 0.0_wp           !< of the fastest parcel [m/s]
     integer(i8) :: rebuilds = 0          !< lists made
     integer(i8) :: weighed = 0           !< of these, when the balance was looked at last
     integer(i8) :: added = 0, left = 0   !< parcels, on all ranks, since the start
@@ -97,11 +100,11 @@ contains
     self%pair_law = new_pair_law(contact)
     self%wall_law = new_wall_law(contact)
     friction = self%pair_law%mu > 0.0_wp .or. self%wall_law%mu > 0.0_wp
-    self%list%with_history = friction
+    self%pairs%with_history = friction
     self%walls%with_history = friction
-    self%list%with_angles = self%pair_law%rolling%spring .or. self%wall_law%rolling%spring
-    self%walls%with_angles = self%list%with_angles
-    if (self%list%with_angles) self%history%rows = 6
+    self%pairs%with_angles = self%pair_law%rolling%spring .or. self%wall_law%rolling%spring
+    self%walls%with_angles = self%pairs%with_angles
+    if (self%pairs%with_angles) self%history%rows = 6
     if (self%pair_law%cohesion%on) self%reach = self%pair_law%cohesion%reach
     if (self%wall_law%cohesion%on) self%reach = self%wall_law%cohesion%reach
     call self%parcels%create(friction, with_gas)
@@ -178,7 +181,7 @@ contains
     self%smallest_radius = min(self%smallest_radius, -extremes(2))
     self%smallest_mass = min(self%smallest_mass, 1/extremes(3))
     self%largest_ratio = max(self%largest_ratio, extremes(4))
-    self%skin = given(self%numerics%skin, 2*automatic_skin*sqrt(self%smallest_radius*self%largest_radius))
+    self%skin = given(self%numerics%skin, automatic_skin*typical_width(self))
     self%range = 2*self%largest_radius + self%skin + self%reach
     call self%search%set_levels(self%smallest_radius, self%largest_radius)
     width = max(self%tile_width, self%range)
@@ -189,6 +192,14 @@ contains
                            [width, width, width])
     self%tilings = self%tilings + 1
   end subroutine set_reach
+
+  !> Of a parcel, between smallest and largest [m].
+  pure function typical_width(self) result(width)
+    type(solids_t), intent(in) :: self
+    real(wp) :: width
+
+    width = 2*sqrt(self%smallest_radius*self%largest_radius)
+  end function typical_width
 
   !> The longest solids step, from the shortest collision, or swing by attraction, of two parcels or of a parcel and a wall [s].
   !> The collision of Hertz's law goes with the fifth root of the speed, for which `impact_velocity` stands unless a higher one is
@@ -265,11 +276,14 @@ contains
     self%step = self%step + 1
     call self%pair_law%set_step(dt, self%step)
     call self%wall_law%set_step(dt, self%step)
-    if (self%parcels%rotation) then
-      call sweep_friction(self%pair_law, self%list, self%parcels%state, self%parcels%force)
-    else
-      call sweep_frictionless(self%pair_law, self%list, self%parcels%state, self%parcels%force)
-    end if
+    associate (state => self%parcels%state, force => self%parcels%force)
+      call self%pairs%keep_close(self%list, state, dt*self%speed, self%skin, typical_width(self))
+      if (self%parcels%rotation) then
+        call sweep_friction(self%pair_law, self%pairs, state, force)
+      else
+        call sweep_frictionless(self%pair_law, self%pairs, state, force)
+      end if
+    end associate
     call self%walls%sweep(self%chamber, self%wall_law, self%parcels)
     if (self%pair_law%cohesion%on) call attract_pairs(self%pair_law%cohesion, self%list, self%parcels)
     if (self%wall_law%cohesion%on) call attract_walls(self%wall_law%cohesion, self%chamber, self%walls, self%parcels)
@@ -293,7 +307,9 @@ contains
       call find_trouble(self%comm, self%chamber, self%parcels, self%time, outcome)
       return
     end if
-    self%travelled = self%travelled + time*sqrt(largest(1))
+    self%speed = sqrt(largest(1))
+    self%travelled = self%travelled + time*self%speed
+    call self%pairs%note_way(time*self%speed)
     if (self%travelled > 0.5_wp*self%skin) self%travelled = self%comm%max(farthest(self%parcels))
     if (self%travelled > nearly*0.5_wp*self%skin) then
       call self%renew_lists(outcome)
@@ -323,7 +339,7 @@ contains
 
     call self%history%clear()
     if (self%parcels%rotation .and. self%rebuilds > 0) then
-      call self%history%collect(self%list, self%walls, self%parcels, self%step)
+      call self%history%collect(self%pairs, self%walls, self%parcels, self%step)
     end if
   end subroutine keep_history
 
@@ -368,9 +384,9 @@ contains
     call self%history%follow(place)
     call self%ghosts%invite(self%tiles, self%range, self%parcels)
     call self%search%build(self%parcels, self%skin + self%reach, self%list)
-    call self%list%clear_history()
+    call self%pairs%take_all(self%list)
     call self%walls%build(self%chamber, self%parcels, 0.5_wp*self%skin + self%reach)
-    if (self%parcels%rotation) call self%history%restore(self%list, self%walls, self%parcels, self%step)
+    if (self%parcels%rotation) call self%history%restore(self%list, self%pairs, self%walls, self%parcels, self%step)
     self%rebuilds = self%rebuilds + 1
   end subroutine make_lists
 

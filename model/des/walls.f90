@@ -5,7 +5,7 @@
 module walls
   use contact_lanes, only: lanes
   use contact_law, only: contact_law_t, friction_forces, frictionless_forces
-  use contact_list, only: never
+  use close_pairs, only: never
   use kinds, only: wp
   use parcels, only: parcels_t, mass_row, spin_row, curvature_row
   use rolling, only: rolling_torques
@@ -277,22 +277,30 @@ contains
     real(wp), intent(in) :: pair(8, block_pairs), force(8, block_pairs)
     type(parcels_t), intent(inout) :: parcels
 
-    real(wp) :: turn(5, block_pairs), angle(3, block_pairs), torque(3, block_pairs)
-    integer :: m, i, w
+    real(wp) :: turn(5, block_pairs), push(3, block_pairs), angle(3, block_pairs), torque(3, block_pairs)
+    integer :: m, n, i, w, full
 
-    do m = 1, size(touching)
+    n = size(touching)
+    full = lanes*((n + lanes - 1)/lanes)
+    do m = 1, n
       w = touching(m)
       associate (s => parcels%state(:, self%parcel(w)))
         turn(1:3, m) = s(curvature_row)*s(spin_row:spin_row + 2) - chamber%spin_of(self%face(w))
         turn(4, m) = s(curvature_row)
         turn(5, m) = s(mass_row)*s(curvature_row)**2
+        push(:, m) = force(1:3, m)
       end associate
       if (law%rolling%spring) then
         angle(:, m) = merge(self%angle(:, w), 0.0_wp, self%slip(4, w) >= law%linear%step - 1.5_wp)
       end if
     end do
-    call rolling_torques(law%rolling, law%linear%dt, size(touching), pair, turn, force, angle, torque)
-    do m = 1, size(touching)
+    do m = n + 1, full
+      turn(:, m) = turn(:, n)
+      push(:, m) = 0.0_wp
+      angle(:, m) = 0.0_wp
+    end do
+    call rolling_torques(law%rolling, law%linear%dt, full, pair, turn, push, angle, torque)
+    do m = 1, n
       w = touching(m)
       i = self%parcel(w)
       parcels%force(5:7, i) = parcels%force(5:7, i) + parcels%state(curvature_row, i)*torque(:, m)

@@ -5,6 +5,7 @@ program test_cohesion
   use cohesion, only: cohesion_t, attractions
   use communicator, only: communicator_t, start_ranks, stop_ranks
   use constants, only: pi
+  use contact_lanes, only: lanes
   use contact_settings, only: contact_settings_t
   use des_scenes, only: scene, put, run
   use kinds, only: wp
@@ -35,23 +36,23 @@ contains
     real(wp), parameter :: n(3) = [0.36_wp, 0.48_wp, 0.8_wp], radii(2) = [40.0e-6_wp, 70.0e-6_wp]
     real(wp), parameter :: gap(6) = [-1.0e-7_wp, 0.5e-8_wp, 2.0e-8_wp, 1.0e-7_wp, 0.99e-6_wp, 1.01e-6_wp]
     type(cohesion_t) :: law
-    real(wp) :: pair(4, 6), force(3, 6), curvature(6), width, pull(6)
+    real(wp) :: pair(4, lanes), force(3, lanes), curvature(lanes), width, pull(6)
     integer :: i
 
     width = product(radii)/sum(radii)
     curvature = 1/width
-    do i = 1, 6
-      pair(:, i) = [(sum(radii) + gap(i))*n, sum(radii)]
+    do i = 1, lanes
+      pair(:, i) = [(sum(radii) + gap(min(i, 6)))*n, sum(radii)]
     end do
     law = cohesion_t(.true., .true., a/6, near, far)
-    call attractions(law, 6, pair, curvature, force)
+    call attractions(law, lanes, pair, curvature, force)
     pull = a*width/6*[1/near**2, 1/near**2, 1/gap(3)**2, 1/gap(4)**2, 1/gap(5)**2, 0.0_wp]
     do i = 1, 6
       call expect_close(norm2(force(:, i) + pull(i)*n), 0.0_wp, 1.0e-6_wp*max(pull(i), tiny(pull)), &
                         'van der Waals: A R/(6 h^2) between its limits')
     end do
     law = cohesion_t(.true., .false., pi*5.0e3_wp, 0.0_wp, 0.0_wp)
-    call attractions(law, 6, pair, curvature, force)
+    call attractions(law, lanes, pair, curvature, force)
     call expect_close(norm2(force(:, 1) + 5.0e3_wp*pi*width*1.0e-7_wp*n)/norm2(force(:, 1)), 0.0_wp, 1.0e-9_wp, &
                       'linear: k pi R delta')
     call expect_close(norm2(force(:, 2:)), 0.0_wp, 0.0_wp, 'and nothing apart')
@@ -201,16 +202,16 @@ contains
   !> Parcels of 27 with 9 times the constant attract each other with 27 times the force of two particles, at equal gaps.
   subroutine weight_of_27()
     type(cohesion_t) :: law
-    real(wp) :: one(3, 1), parcels(3, 1), pair(4, 1)
+    real(wp) :: one(3, lanes), parcels(3, lanes), pair(4, lanes)
     integer :: i
 
     do i = 1, 2
-      pair(:, 1) = [2*r + i*near, 0.0_wp, 0.0_wp, 2*r]
+      pair = spread([2*r + i*near, 0.0_wp, 0.0_wp, 2*r], 2, lanes)
       law = cohesion_t(.true., .true., a/6, near, far)
-      call attractions(law, 1, pair, [2/r], one)
-      pair(:, 1) = [6*r + i*near, 0.0_wp, 0.0_wp, 6*r]
+      call attractions(law, lanes, pair, spread(2/r, 1, lanes), one)
+      pair = spread([6*r + i*near, 0.0_wp, 0.0_wp, 6*r], 2, lanes)
       law%strength = 9*a/6
-      call attractions(law, 1, pair, [2/(3*r)], parcels)
+      call attractions(law, lanes, pair, spread(2/(3*r), 1, lanes), parcels)
       call expect_close(parcels(1, 1), 27*one(1, 1), 1.0e-6_wp, 'parcels of 27 attract each other as 27 pairs')
     end do
   end subroutine weight_of_27

@@ -5,6 +5,7 @@ program test_rolling
   use check, only: expect, expect_close, finish
   use communicator, only: communicator_t, start_ranks, stop_ranks
   use constants, only: pi
+  use contact_lanes, only: lanes
   use contact_settings, only: contact_settings_t
   use des_scenes, only: scene, put, place_of, run
   use des_settings, only: des_settings_t
@@ -90,21 +91,22 @@ contains
     real(wp), parameter :: n(3) = [0.36_wp, 0.48_wp, 0.8_wp], omega(3) = [30.0_wp, -20.0_wp, 5.0_wp], f_n = 0.002_wp
     real(wp), parameter :: modulus = 5.0e6_wp, overlap = 3.0e-6_wp
     type(rolling_t) :: law
-    real(wp) :: pair(8, 1), turn(5, 1), force(8, 1), angle(3, 1), torque(3, 1), across(3), theta(3), m(2), width, k_r, c_r
+    real(wp) :: pair(8, 1), turn(5, 1), force(3, 1), angle(3, 1), torque(3, 1), across(3), theta(3), m(2), width, k_r, c_r
 
+    angle = 0.0_wp
     m = [mass_of(r(1)), mass_of(r(2))]
     width = product(r)/sum(r)
     pair(:, 1) = [(sum(r) - overlap)*n, sum(r), 0.0_wp, 0.0_wp, 0.0_wp, sum(1/m)]
     turn(:, 1) = [omega, 1/width, sum(1/(m*r**2))]
-    force(:, 1) = [f_n*n + 0.001_wp*[0.8_wp, -0.6_wp, 0.0_wp], 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp]
+    force(:, 1) = f_n*n + 0.001_wp*[0.8_wp, -0.6_wp, 0.0_wp]
     across = omega - dot_product(omega, n)*n
 
     law = rolling_t(on=.true., mu=mu)
-    call rolling_torques(law, dt, 1, pair, turn, force, angle, torque)
+    call ask(law, dt, pair, turn, force, angle, torque)
     call expect_close(norm2(torque(:, 1) + mu*width*f_n*across/norm2(across)), 0.0_wp, 1.0e-20_wp, &
                       'a constant torque is mu_r R F_n against the rolling')
     turn(1:3, 1) = 1.0e-4_wp*omega
-    call rolling_torques(law, dt, 1, pair, turn, force, angle, torque)
+    call ask(law, dt, pair, turn, force, angle, torque)
     call expect_close(norm2(torque(:, 1) + 0.25_wp*0.4_wp/sum(1/(m*r**2))*1.0e-4_wp*across/dt), 0.0_wp, 1.0e-20_wp, &
                       'and at most a quarter of what would end it in a step')
 
@@ -114,12 +116,12 @@ contains
     k_r = 2.25_wp*k_n*(mu*width)**2
     c_r = 2*eta*sqrt(k_r/sum(1/((0.4_wp + 1)*m*r**2)))
     angle(:, 1) = theta + 1.0e-3_wp*n
-    call rolling_torques(law, dt, 1, pair, turn, force, angle, torque)
+    call ask(law, dt, pair, turn, force, angle, torque)
     call expect_close(norm2(torque(:, 1) + k_r*(theta + dt/2*across) + c_r*across)/norm2(torque), 0.0_wp, 1.0e-12_wp, &
                       'a rolling spring is k_r theta + C_r omega')
     call expect_close(norm2(angle(:, 1) - theta - dt*across)/norm2(theta), 0.0_wp, 1.0e-12_wp, 'its angle is what was rolled')
     angle(:, 1) = 1.0e4_wp*theta
-    call rolling_torques(law, dt, 1, pair, turn, force, angle, torque)
+    call ask(law, dt, pair, turn, force, angle, torque)
     call expect_close(norm2(torque), mu*width*f_n, 1.0e-12_wp, 'at most mu_r R F_n, without dashpot')
     call expect_close(dot_product(torque(:, 1), theta)/norm2(torque)/norm2(theta), -1.0_wp, 1.0e-4_wp, 'against the angle')
     call expect_close(norm2(angle(:, 1) - dt/2*across), mu*width*f_n/k_r, 1.0e-12_wp, 'which ends where the limit is')
@@ -129,10 +131,26 @@ contains
     k_r = 2.25_wp*2*modulus*sqrt(width*overlap)*(mu*width)**2
     c_r = 2*eta*sqrt(k_r/sum(1/((0.4_wp + 1)*m*r**2)))
     angle(:, 1) = theta
-    call rolling_torques(law, dt, 1, pair, turn, force, angle, torque)
+    call ask(law, dt, pair, turn, force, angle, torque)
     call expect_close(norm2(torque(:, 1) + k_r*(theta + dt/2*across) + c_r*across)/norm2(torque), 0.0_wp, 1.0e-9_wp, &
                       'with Hertz k_n is 2 E a')
   end subroutine torques_of_a_pair
+
+  !> The same pair in all lanes.
+  subroutine ask(law, dt, pair, turn, force, angle, torque)
+    type(rolling_t), intent(in) :: law
+    real(wp), intent(in) :: dt, pair(8, 1), turn(5, 1), force(3, 1)
+    real(wp), intent(inout) :: angle(3, 1)
+    real(wp), intent(out) :: torque(3, 1)
+
+    real(wp) :: angles(3, lanes), torques(3, lanes)
+
+    angles = spread(angle(:, 1), 2, lanes)
+    call rolling_torques(law, dt, lanes, spread(pair(:, 1), 2, lanes), spread(turn(:, 1), 2, lanes), &
+                         spread(force(:, 1), 2, lanes), angles, torques)
+    angle(:, 1) = angles(:, lanes)
+    torque(:, 1) = torques(:, lanes)
+  end subroutine ask
 
   !> A rolling ball loses 5/7 mu_r g, whatever its weight.
   subroutine braking(rolling, weight)
@@ -404,15 +422,15 @@ contains
 
     ball = on_floor(material('none', 0.2_wp), 0.0_wp, 1.0_wp, 0.0_wp)
     call run(ball, 1, ball%time_step_limit())
-    call expect(.not. (allocated(ball%list%angle) .or. allocated(ball%walls%angle) .or. ball%pair_law%rolling%on), &
+    call expect(.not. (allocated(ball%pairs%angle) .or. allocated(ball%walls%angle) .or. ball%pair_law%rolling%on), &
                 'without resistance there is nothing of it')
     ball = on_floor(material('constant_torque', 0.2_wp), 0.0_wp, 1.0_wp, 0.0_wp)
     call run(ball, 1, ball%time_step_limit())
-    call expect(.not. (allocated(ball%list%angle) .or. allocated(ball%walls%angle)) .and. ball%history%rows == 3, &
+    call expect(.not. (allocated(ball%pairs%angle) .or. allocated(ball%walls%angle)) .and. ball%history%rows == 3, &
                 'a constant torque keeps no angle')
     ball = on_floor(material('spring', 0.2_wp), 0.0_wp, 1.0_wp, 0.0_wp)
     call run(ball, 1, ball%time_step_limit())
-    call expect(allocated(ball%list%angle) .and. allocated(ball%walls%angle) .and. ball%history%rows == 6, 'the spring does')
+    call expect(allocated(ball%pairs%angle) .and. allocated(ball%walls%angle) .and. ball%history%rows == 6, 'the spring does')
   end subroutine only_where_asked_for
 
 end program test_rolling
