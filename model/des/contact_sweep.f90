@@ -37,7 +37,8 @@ contains
     real(wp), intent(inout) :: force(8, *)   !< 1:3 force, 5:7 torque over radius [N]
 
     type(block_t) :: block
-    real(wp) :: spin(4, block_pairs), slip(4, block_pairs), angle(3, block_pairs), forces(8, block_pairs)
+    real(wp) :: spin(4, block_pairs), slip(4, block_pairs), angle(3, block_pairs), torque(3, block_pairs)
+    real(wp) :: forces(8, block_pairs)
     integer :: next
 
     next = 1
@@ -61,9 +62,13 @@ contains
         call friction_forces(law, padded(block%n), block%pair, spin, slip, forces)
         call scatter_slips(slip, block, pairs%slip)
       end if
-      call scatter_friction(forces, block, force)
-      if (law%rolling%on) call roll_pairs(law, state, block, forces, angle, force)
-      if (law%rolling%spring) call scatter_angles(angle, block, pairs%angle)
+      if (law%rolling%on) then
+        call roll_pairs(law, state, block, forces, angle, torque)
+        call scatter_rolling(state, forces, torque, block, force)
+        if (law%rolling%spring) call scatter_angles(angle, block, pairs%angle)
+      else
+        call scatter_friction(forces, block, force)
+      end if
     end do
   end subroutine sweep_friction
 
@@ -84,16 +89,15 @@ contains
     end do
   end subroutine gather_angles
 
-  !> Add the torques of pairs that resist rolling.
-  pure subroutine roll_pairs(law, state, block, forces, angle, force)
+  !> Torques of pairs that resist rolling.
+  pure subroutine roll_pairs(law, state, block, forces, angle, torque)
     type(contact_law_t), intent(in) :: law
     real(wp), intent(in) :: state(16, *)
     type(block_t), intent(in) :: block
     real(wp), intent(in) :: forces(8, block_pairs)
-    real(wp), intent(inout) :: angle(3, block_pairs)
-    real(wp), intent(inout) :: force(8, *)
+    real(wp), intent(inout) :: angle(3, block_pairs), torque(3, block_pairs)
 
-    real(wp) :: turn(5, block_pairs), push(3, block_pairs), torque(3, block_pairs), per_r(2)
+    real(wp) :: turn(5, block_pairs), push(3, block_pairs), per_r(2)
     integer :: m, i, j
 
     do m = 1, block%n
@@ -111,13 +115,30 @@ contains
       angle(:, m) = 0.0_wp
     end do
     call rolling_torques(law%rolling, law%linear%dt, padded(block%n), block%pair, turn, push, angle, torque)
+  end subroutine roll_pairs
+
+  !> As `scatter_friction`, with the torques against rolling, which are opposite on the two. What a pair does is added at once,
+  !> so that sums do not depend on where blocks end.
+  pure subroutine scatter_rolling(state, forces, torque, block, force)
+    real(wp), intent(in) :: state(16, *)
+    real(wp), intent(in) :: forces(8, block_pairs), torque(3, block_pairs)
+    type(block_t), intent(in) :: block
+    real(wp), intent(inout) :: force(8, *)
+
+    real(wp) :: share(8)
+    integer :: m, i, j
+
     do m = 1, block%n
       i = block%i(m)
       j = block%j(m)
-      force(5:7, i) = force(5:7, i) + state(curvature_row, i)*torque(:, m)
-      force(5:7, j) = force(5:7, j) - state(curvature_row, j)*torque(:, m)
+      share = block%touch(m)*forces(:, m)
+      share(5:7) = share(5:7) + state(curvature_row, i)*torque(:, m)
+      force(1:8, i) = force(1:8, i) + share
+      share = block%touch(m)*reaction*forces(:, m)
+      share(5:7) = share(5:7) - state(curvature_row, j)*torque(:, m)
+      force(1:8, j) = force(1:8, j) + share
     end do
-  end subroutine roll_pairs
+  end subroutine scatter_rolling
 
   !> Those of pairs that do not touch count nothing, as their slips have no mark.
   pure subroutine scatter_angles(angle, block, angles)
