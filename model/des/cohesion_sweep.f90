@@ -72,26 +72,62 @@ contains
     end do
   end subroutine find_ways
 
-  !> Add the attraction of all walls within reach.
+  !> Add the attraction of all walls within reach. Of meshes it is that of the nearest points that contacts have, too.
   pure subroutine attract_walls(cohesion, chamber, walls, parcels)
     type(cohesion_t), intent(in) :: cohesion
     type(chamber_t), intent(in) :: chamber
     type(wall_list_t), intent(in) :: walls
     type(parcels_t), intent(inout) :: parcels
 
-    real(wp) :: way(3), distance, pair(4, lanes), curvature(lanes), force(3, lanes)
-    integer :: w
+    real(wp) :: way(3), distance
+    integer :: w, last
 
-    do w = 1, walls%entries
-      associate (i => walls%parcel(w))
-        call chamber%approach(walls%face(w), parcels%state(1:3, i), way, distance)
-        if (.not. distance < parcels%state(radius_row, i) + cohesion%reach .or. .not. distance > 0.0_wp) cycle
-        pair = spread([way, parcels%state(radius_row, i)], 2, lanes)
-        curvature = 1/parcels%state(radius_row, i)
-        call attractions(cohesion, lanes, pair, curvature, force)
-        parcels%force(1:3, i) = parcels%force(1:3, i) + force(:, 1)
-      end associate
+    do w = 1, walls%kind_end(3)
+      call chamber%approach(walls%face(w), parcels%state(1:3, walls%parcel(w)), way, distance)
+      if (distance > 0.0_wp) call attract(cohesion, walls%parcel(w), way, distance, parcels)
+    end do
+    w = walls%kind_end(3) + 1
+    do while (w <= walls%kind_end(4))
+      last = walls%end_of_run(chamber, w)
+      call attract_run(cohesion, chamber, walls, [w, last], parcels)
+      w = last + 1
     end do
   end subroutine attract_walls
+
+  !> Of one mesh on one parcel.
+  pure subroutine attract_run(cohesion, chamber, walls, range, parcels)
+    type(cohesion_t), intent(in) :: cohesion
+    type(chamber_t), intent(in) :: chamber
+    type(wall_list_t), intent(in) :: walls
+    integer, intent(in) :: range(2)  !< entries
+    type(parcels_t), intent(inout) :: parcels
+
+    real(wp) :: gap(4, range(2) - range(1) + 1)
+    integer :: chosen(size(gap, 2)), n, c
+
+    call walls%look_at_run(chamber, parcels, range, gap, chosen, n, cohesion%reach)
+    associate (mesh => chamber%meshes(chamber%mesh_of(walls%face(range(1)))))
+      do c = 1, n
+        call attract(cohesion, walls%parcel(range(1)), mesh%turned_back(gap(1:3, chosen(c))), gap(4, chosen(c)), parcels)
+      end do
+    end associate
+  end subroutine attract_run
+
+  !> Of one wall on one parcel.
+  pure subroutine attract(cohesion, i, way, distance, parcels)
+    type(cohesion_t), intent(in) :: cohesion
+    integer, intent(in) :: i          !< column of the parcel
+    real(wp), intent(in) :: way(3)    !< from the wall [m]
+    real(wp), intent(in) :: distance  !< its length [m]
+    type(parcels_t), intent(inout) :: parcels
+
+    real(wp) :: pair(4, lanes), curvature(lanes), force(3, lanes)
+
+    if (.not. distance < parcels%state(radius_row, i) + cohesion%reach) return
+    pair = spread([way, parcels%state(radius_row, i)], 2, lanes)
+    curvature = 1/parcels%state(radius_row, i)
+    call attractions(cohesion, lanes, pair, curvature, force)
+    parcels%force(1:3, i) = parcels%force(1:3, i) + force(:, 1)
+  end subroutine attract
 
 end module cohesion_sweep
