@@ -78,7 +78,8 @@ contains
     end do
   end function is_least
 
-  !> A contact that is on another triangle than in the step before keeps its slip, and angle: it is the one whose direction was nearest.
+  !> A contact that is on another triangle than in the step before keeps its slip, and angle: it is the one whose direction was
+  !> nearest.
   pure subroutine hand_over(step, gap, chosen, slip, angle)
     real(wp), intent(in) :: step          !< number of this step
     real(wp), intent(in) :: gap(:,:)      !< (4,k), see find_contacts

@@ -18,7 +18,7 @@ module solids
   use ghosts, only: ghosts_t
   use kinds, only: wp, i8
   use migration, only: migrate, nowhere
-  use motion, only: add_lead, take_lead, drift, kick_and_drift
+  use motion, only: add_lead, take_lead, drift, kick_and_drift, farthest
   use neighbours, only: search_t
   use outcome, only: outcome_t
   use parcels, only: parcels_t, radius_row, mass_row, curvature_row
@@ -331,21 +331,6 @@ contains
       call self%ghosts%refresh(self%parcels)
     end if
   end subroutine keep_neighbours
-
-  !> The longest way any of my parcels has gone since the lists were made [m].
-  pure function farthest(parcels)
-    type(parcels_t), intent(in) :: parcels
-    real(wp) :: farthest
-
-    real(wp) :: square
-    integer :: i
-
-    square = 0.0_wp
-    do i = 1, parcels%n
-      square = max(square, sum((parcels%state(1:3, i) - parcels%built(:, i))**2))
-    end do
-    farthest = sqrt(square)
-  end function farthest
 
   !> Take the slips out of the present lists.
   subroutine keep_history(self)

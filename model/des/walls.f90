@@ -12,8 +12,9 @@ module walls
   use kinds, only: wp
   use mesh_contacts, only: find_contacts, hand_over
   use mesh_wall, only: closest
-  use parcels, only: parcels_t, mass_row, spin_row, curvature_row
-  use rolling, only: rolling_torques
+  use parcels, only: parcels_t
+  use wall_entries, only: wall_entries_t
+  use wall_rolling, only: roll
   use chamber, only: chamber_t, face_normal, n_faces
   implicit none
   private
@@ -23,25 +24,15 @@ module walls
 
   !> Parcels that touch a wall or may do so before the list is made again: first those of the faces, then of planes, then of
   !> shells, each ordered by column, then of one mesh after the other.
-  type :: wall_list_t
-    logical :: with_history = .false.
-    logical :: with_angles = .false.      !< see contact_list
-    integer :: entries = 0
+  type, extends(wall_entries_t) :: wall_list_t
     integer :: kind_end(4) = 0            !< last entry of faces, of planes, of shells, of triangles
     real(wp) :: step = 0.0_wp             !< number of this step
     integer :: through = 0                !< column of a parcel that is beyond a wall, 0 if there is none
-    integer, allocatable :: parcel(:)     !< (entries) column
-    integer, allocatable :: face(:)       !< (entries) see chamber
-    integer, allocatable :: image(:)      !< (entries) in a periodic chamber: which image of the parcel is near the triangle
-    real(wp), allocatable :: slip(:,:)    !< (4, entries) 1:3 tangential slip [m], 4 step of last touch
-    real(wp), allocatable :: angle(:,:)   !< (3, entries) with the rolling spring: angle rolled [rad]
   contains
     procedure :: build
     procedure :: sweep
     procedure :: look_at_run
     procedure :: end_of_run
-    procedure :: memory_of
-    procedure :: remind
   end type wall_list_t
 
 contains
@@ -428,73 +419,12 @@ contains
       slip(:, m) = self%slip(:, touching(min(m, n)))
     end do
     call friction_forces(law, full, pair, spin, slip, force)
-    if (law%rolling%on) call roll(self, chamber, law, touching, pair, force, parcels)
+    if (law%rolling%on) call roll(self%wall_entries_t, chamber, law, touching, pair, force, parcels)
     do m = 1, n
       i = self%parcel(touching(m))
       self%slip(:, touching(m)) = slip(:, m)
       parcels%force(:, i) = parcels%force(:, i) + force(:, m)
     end do
   end subroutine apply
-
-  !> Torques that resist rolling on the walls. The list still has the steps in which the contacts touched last.
-  pure subroutine roll(self, chamber, law, touching, pair, force, parcels)
-    class(wall_list_t), intent(inout) :: self
-    type(chamber_t), intent(in) :: chamber
-    type(contact_law_t), intent(in) :: law
-    integer, intent(in) :: touching(:)                                !< (n) entries
-    real(wp), intent(in) :: pair(8, block_pairs), force(8, block_pairs)
-    type(parcels_t), intent(inout) :: parcels
-
-    real(wp) :: turn(5, block_pairs), push(3, block_pairs), angle(3, block_pairs), torque(3, block_pairs)
-    integer :: m, n, i, w, full
-
-    n = size(touching)
-    full = lanes*((n + lanes - 1)/lanes)
-    do m = 1, n
-      w = touching(m)
-      associate (s => parcels%state(:, self%parcel(w)))
-        turn(1:3, m) = s(curvature_row)*s(spin_row:spin_row + 2) - chamber%spin_of(self%face(w))
-        turn(4, m) = s(curvature_row)
-        turn(5, m) = s(mass_row)*s(curvature_row)**2
-        push(:, m) = force(1:3, m)
-      end associate
-      if (law%rolling%spring) then
-        angle(:, m) = merge(self%angle(:, w), 0.0_wp, self%slip(4, w) >= law%linear%step - 1.5_wp)
-      end if
-    end do
-    do m = n + 1, full
-      turn(:, m) = turn(:, n)
-      push(:, m) = 0.0_wp
-      angle(:, m) = 0.0_wp
-    end do
-    call rolling_torques(law%rolling, law%linear%dt, full, pair, turn, push, angle, torque)
-    do m = 1, n
-      w = touching(m)
-      i = self%parcel(w)
-      parcels%force(5:7, i) = parcels%force(5:7, i) + parcels%state(curvature_row, i)*torque(:, m)
-      if (law%rolling%spring) self%angle(:, w) = angle(:, m)
-    end do
-  end subroutine roll
-
-  !> What an entry remembers beside the step of its last touch: the slip and, if there is one, the angle.
-  pure function memory_of(self, entry) result(memory)
-    class(wall_list_t), intent(in) :: self
-    integer, intent(in) :: entry
-    real(wp) :: memory(merge(6, 3, self%with_angles))
-
-    memory(1:3) = self%slip(1:3, entry)
-    if (self%with_angles) memory(4:6) = self%angle(:, entry)
-  end function memory_of
-
-  !> Give it back.
-  pure subroutine remind(self, entry, memory, step)
-    class(wall_list_t), intent(inout) :: self
-    integer, intent(in) :: entry
-    real(wp), intent(in) :: memory(:)  !< as `memory_of`
-    real(wp), intent(in) :: step       !< of the last touch
-
-    self%slip(:, entry) = [memory(1:3), step]
-    if (self%with_angles) self%angle(:, entry) = memory(4:6)
-  end subroutine remind
 
 end module walls
