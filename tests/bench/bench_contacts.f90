@@ -207,7 +207,7 @@ contains
     chamber%upper = bed%box
     v = 0.0_wp
     if (bed%gas) then
-      v = reshape([(0.2_wp*sin(k*0.7548776662466927_wp*k), k=1, size(v))], shape(v))
+      v = reshape([(0.5_wp*sin(k*0.7548776662466927_wp*k), k=1, size(v))], shape(v))
     else
       chamber%gravity = [0.0_wp, 0.0_wp, -weight_of_gravity]
     end if
@@ -259,7 +259,7 @@ contains
 
     call start(bed, bed%contact, solids)
     dt = 0.4_wp*solids%time_step_limit()
-    call solids%advance(100, dt, outcome)
+    call solids%advance(merge(3000, 100, bed%gas), dt, outcome)
     call solids%rebalance(changed, outcome)
     stepping = 0
     making = 0
