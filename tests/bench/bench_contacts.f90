@@ -4,7 +4,7 @@
 !>   W2  the same of 200 000, on 100 x 100 mm
 !>   W3  the same of 50 000, log-normal by number between 0.5 and 2 mm
 !>   W4  granular gas of 50 000 spheres of 1 mm, solids 0.05, in a box with walls
-!>   frictionless, hertz  W1 with other laws; still: W1 of springs alone
+!>   frictionless, hertz, rolling, cohesion  W1 with other laws; still: W1 of springs alone
 !>
 !> usage: bench_contacts [folder [workload [steps]]]. All workloads if none is named, W2 on more than one rank. Beds are kept in
 !> `folder`, if one is given, and taken from there. With 0 steps: where the parcels are after 100, into the folder.
@@ -34,7 +34,8 @@ program bench_contacts
   end type bed_t
 
   real(wp), parameter :: density = 2500.0_wp, weight_of_gravity = 9.81_wp
-  character(len=16), parameter :: all_names(7) = [character(len=16) :: 'W1', 'W2', 'W3', 'W4', 'frictionless', 'hertz', 'still']
+  character(len=16), parameter :: all_names(9) = [character(len=16) :: 'W1', 'W2', 'W3', 'W4', 'frictionless', 'hertz', &
+    'rolling', 'cohesion', 'still']
   type(communicator_t) :: comm
   character(len=16) :: name
   character(len=256) :: folder
@@ -76,6 +77,12 @@ contains
     case ('still')
       bed%contact%friction = 0.0_wp
       bed%contact%restitution = 1.0_wp
+    case ('rolling')
+      bed%contact%rolling = 'spring'
+      bed%contact%rolling_friction = 0.05_wp
+    case ('cohesion')
+      bed%contact%cohesion = 'linear'
+      bed%contact%cohesion_energy = 1.0e3_wp
     case ('hertz')
       bed%contact%law = 'hertz'
       bed%contact%youngs_modulus = 5.0e6_wp
@@ -234,7 +241,7 @@ contains
     call start(bed, contact, solids)
     dt = solids%time_step_limit()
     call solids%advance(nint(time/dt), dt, outcome)
-    if (outcome%failed()) print '(a)', outcome%message
+    if (outcome%failed()) call fail(outcome)
     bed%x = 0.0_wp
     do k = 1, solids%parcels%n
       bed%x(:, solids%parcels%id(k)) = solids%parcels%state(1:3, k)
@@ -275,7 +282,7 @@ contains
       call solids%renew_lists(outcome)
       making = making + clock() - before
     end do
-    if (outcome%failed()) print '(a)', outcome%message
+    if (outcome%failed()) call fail(outcome)
     parcel_steps = real(bed%n, wp)*blocks*block
     call report(bed, 'rate', parcel_steps/(stepping + making), 'parcel-steps/s')
     call report(bed, 'list', making/bed%n/blocks*1e6_wp, 'us/parcel')
@@ -301,6 +308,13 @@ contains
     write (unit) bed%x
     close (unit)
   end subroutine follow
+
+  subroutine fail(outcome)
+    type(outcome_t), intent(in) :: outcome
+
+    print '(a)', outcome%message
+    error stop 3
+  end subroutine fail
 
   subroutine report(bed, quantity, value, unit)
     type(bed_t), intent(in) :: bed
