@@ -5,6 +5,7 @@
 !> moved half the skin since the lists were made, new lists. Making them moves parcels to the ranks that own
 !> their places, sorts them in space and gives the contacts their slips back.
 module solids
+  use close_pairs, only: close_pairs_t
   use communicator, only: communicator_t
   use contact_history, only: history_t
   use contact_law, only: contact_law_t, new_pair_law, new_wall_law
@@ -43,6 +44,7 @@ module solids
     type(tiles_t) :: tiles               !< exist once parcels do
     integer :: tilings = 0               !< how often tiles were made or changed hands
     type(contact_list_t) :: list
+    type(close_pairs_t) :: pairs         !< pairs of the list
     type(wall_list_t) :: walls
     type(ghosts_t) :: ghosts
     type(history_t) :: history           !< slips between two lists
@@ -55,6 +57,7 @@ module solids
     real(wp) :: time = 0.0_wp            !< [s]
     real(wp) :: step = 0.0_wp            !< steps done; a real, as the slips keep it
     real(wp) :: travelled = 0.0_wp       !< at most, by any parcel since the lists were made [m]
+    real(wp) :: speed = 0.0_wp           !< of the fastest parcel [m/s]
     integer(i8) :: rebuilds = 0          !< lists made
     integer(i8) :: weighed = 0           !< of these, when the balance was looked at last
     integer(i8) :: added = 0, left = 0   !< parcels, on all ranks, since the start
@@ -94,7 +97,7 @@ contains
     self%pair_law = new_pair_law(contact)
     self%wall_law = new_wall_law(contact)
     friction = self%pair_law%mu > 0.0_wp .or. self%wall_law%mu > 0.0_wp
-    self%list%with_history = friction
+    self%pairs%with_history = friction
     self%walls%with_history = friction
     call self%parcels%create(friction, with_gas)
     call self%history%clear()
@@ -168,7 +171,7 @@ contains
     self%largest_radius = max(self%largest_radius, extremes(1))
     self%smallest_radius = min(self%smallest_radius, -extremes(2))
     self%smallest_mass = min(self%smallest_mass, 1/extremes(3))
-    self%skin = given(self%numerics%skin, 2*automatic_skin*sqrt(self%smallest_radius*self%largest_radius))
+    self%skin = given(self%numerics%skin, automatic_skin*typical_width(self))
     self%range = 2*self%largest_radius + self%skin
     call self%search%set_levels(self%smallest_radius, self%largest_radius)
     width = max(self%tile_width, self%range)
@@ -179,6 +182,14 @@ contains
                            [width, width, width])
     self%tilings = self%tilings + 1
   end subroutine set_reach
+
+  !> Of a parcel, between smallest and largest [m].
+  pure function typical_width(self) result(width)
+    type(solids_t), intent(in) :: self
+    real(wp) :: width
+
+    width = 2*sqrt(self%smallest_radius*self%largest_radius)
+  end function typical_width
 
   !> The longest solids step, from the shortest collision of two parcels or of a parcel and a wall [s]. That of Hertz's
   !> law goes with the fifth root of the speed, for which `impact_velocity` stands unless a higher one is given.
@@ -252,11 +263,14 @@ contains
     self%step = self%step + 1
     call self%pair_law%set_step(dt, self%step)
     call self%wall_law%set_step(dt, self%step)
-    if (self%parcels%rotation) then
-      call sweep_friction(self%pair_law, self%list, self%parcels%state, self%parcels%force)
-    else
-      call sweep_frictionless(self%pair_law, self%list, self%parcels%state, self%parcels%force)
-    end if
+    associate (state => self%parcels%state, force => self%parcels%force)
+      call self%pairs%keep_close(self%list, state, dt*self%speed, self%skin, typical_width(self))
+      if (self%parcels%rotation) then
+        call sweep_friction(self%pair_law, self%pairs, state, force)
+      else
+        call sweep_frictionless(self%pair_law, self%pairs, state, force)
+      end if
+    end associate
     call self%walls%sweep(self%chamber, self%wall_law, self%parcels)
   end subroutine find_forces
 
@@ -278,7 +292,9 @@ contains
       call find_trouble(self%comm, self%chamber, self%parcels, self%time, outcome)
       return
     end if
-    self%travelled = self%travelled + time*sqrt(largest(1))
+    self%speed = sqrt(largest(1))
+    self%travelled = self%travelled + time*self%speed
+    call self%pairs%note_way(time*self%speed)
     if (self%travelled > 0.5_wp*self%skin) self%travelled = self%comm%max(farthest(self%parcels))
     if (self%travelled > nearly*0.5_wp*self%skin) then
       call self%renew_lists(outcome)
@@ -308,7 +324,7 @@ contains
 
     call self%history%clear()
     if (self%parcels%rotation .and. self%rebuilds > 0) then
-      call self%history%collect(self%list, self%walls, self%parcels, self%step)
+      call self%history%collect(self%pairs, self%walls, self%parcels, self%step)
     end if
   end subroutine keep_history
 
@@ -353,9 +369,9 @@ contains
     call self%history%follow(place)
     call self%ghosts%invite(self%tiles, self%range, self%parcels)
     call self%search%build(self%parcels, self%skin, self%list)
-    call self%list%clear_history()
+    call self%pairs%take_all(self%list)
     call self%walls%build(self%chamber, self%parcels, 0.5_wp*self%skin)
-    if (self%parcels%rotation) call self%history%restore(self%list, self%walls, self%parcels, self%step)
+    if (self%parcels%rotation) call self%history%restore(self%list, self%pairs, self%walls, self%parcels, self%step)
     self%rebuilds = self%rebuilds + 1
   end subroutine make_lists
 

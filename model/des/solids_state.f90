@@ -83,7 +83,7 @@ contains
 
     call history%clear()
     if (solids%parcels%rotation .and. solids%rebuilds > 0) then
-      call history%collect(solids%list, solids%walls, solids%parcels, solids%step)
+      call history%collect(solids%pairs, solids%walls, solids%parcels, solids%step)
     end if
     do m = 1, history%n
       i = history%own(m)

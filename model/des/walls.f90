@@ -5,7 +5,7 @@
 module walls
   use contact_lanes, only: lanes
   use contact_law, only: contact_law_t, friction_forces, frictionless_forces
-  use contact_list, only: never
+  use close_pairs, only: never
   use kinds, only: wp
   use parcels, only: parcels_t
   use chamber, only: chamber_t, face_normal, n_faces
