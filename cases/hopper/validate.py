@@ -21,6 +21,7 @@ from results import Parcels  # noqa: E402
 
 HOLES = (0.005, 0.006, 0.007, 0.008)  # m
 DIAMETER, DENSITY, VESSEL, GRAVITY = 1e-3, 2500.0, 0.0112, 9.81
+EXPERIMENTS = ((0.55, 1.6), (0.65, 1.2))  # C and k with the least and the largest flow
 SETTLED, SHALLOW = 0.2, 4200  # s until the bed has come down; parcels whose bed is less deep than the widest hole
 
 
@@ -68,8 +69,10 @@ def main():
     slope, offset = np.polyfit(holes, flows**0.4, 1)
     c, k = slope**2.5 / (density * np.sqrt(GRAVITY)), -offset / slope / DIAMETER
     fitted = beverloo(holes, c, k, density)
-    check("C", c, 0.55, 0.65)
-    check("k", k, 1.2, 1.6)
+    print(f"  fitted C {c:.3f} (experiments: 0.55 to 0.65), k {k:.2f} (1.2 to 1.6)")
+    for hole, flow in zip(HOLES, flows, strict=True):
+        low, high = (beverloo(hole, *pair, density) for pair in EXPERIMENTS)
+        check(f"hole of {1e3 * hole:g} mm: mass flow, g/s, within that of experiments", 1e3 * flow, 1e3 * low, 1e3 * high)
     check("largest distance from the fit", np.abs(flows / fitted - 1).max(), 0, 0.05)
     check("solids fraction of the bed", density / DENSITY, 0.55, 0.62)
     bulk.write_table(HERE / "discharge.csv", ("hole_m", "mass_flow_kg_s", "fit_kg_s", "bulk_density_kg_m3"),
@@ -79,7 +82,7 @@ def main():
     left.set(xlabel="time, s", ylabel="parcels in the vessel")
     left.legend(fontsize=7)
     x = np.linspace(0.0035, 0.009, 50)
-    right.fill_between(1e3 * x, *(1e3 * beverloo(x, *pair, density) for pair in ((0.55, 1.6), (0.65, 1.2))), color="0.92",
+    right.fill_between(1e3 * x, *(1e3 * beverloo(x, *pair, density) for pair in EXPERIMENTS), color="0.92",
                        label="C 0.55 to 0.65, k 1.2 to 1.6")
     right.plot(1e3 * x, 1e3 * beverloo(x, c, k, density), color="0.25", lw=0.8, label=f"fit: C {c:.3f}, k {k:.2f}")
     right.plot(1e3 * holes, 1e3 * flows, "o", color="#1f6fb4", label="geldart")
