@@ -58,6 +58,7 @@ module solids
     real(wp) :: step = 0.0_wp            !< steps done; a real, as the slips keep it
     real(wp) :: travelled = 0.0_wp       !< at most, by any parcel since the lists were made [m]
     real(wp) :: speed = 0.0_wp           !< of the fastest parcel [m/s]
+    real(wp) :: listed_at = 0.0_wp       !< time for which walls stood where they did when the lists were made [s]
     integer(i8) :: rebuilds = 0          !< lists made
     integer(i8) :: weighed = 0           !< of these, when the balance was looked at last
     integer(i8) :: added = 0, left = 0   !< parcels, on all ranks, since the start
@@ -226,7 +227,8 @@ contains
       square = max(square, sum(self%parcels%state(5:7, i)**2))
     end do
     speed = sqrt(self%comm%max(square))
-    dt = min(self%time_step_limit(2*speed), farthest_step*self%smallest_radius/max(speed, tiny(dt)))
+    dt = min(self%time_step_limit(speed + max(speed, self%chamber%fastest)), &
+             farthest_step*self%smallest_radius/max(speed + self%chamber%fastest, tiny(dt)))
   end function next_step_limit
 
   !> Go on by `steps` steps of `dt`. All ranks take part and agree on the outcome.
@@ -243,6 +245,7 @@ contains
     if (outcome%failed() .or. steps == 0 .or. self%added == 0) return
     call add_lead(self%parcels)
     call drift(self%parcels, dt/2, fastest)
+    call place_walls(self, dt/2)
     call keep_neighbours(self, dt/2, fastest, .true., outcome)
     do step = 1, steps
       if (outcome%failed()) exit
@@ -250,10 +253,19 @@ contains
       time = merge(dt, dt/2, step < steps)
       call kick_and_drift(self%parcels, self%chamber%gravity, dt, time, fastest, energy)
       self%time = self%time + dt
+      call place_walls(self, time - dt/2)
       call keep_neighbours(self, time, fastest, energy <= huge(1.0_wp) .and. self%walls%through == 0, outcome)
     end do
     call take_lead(self%parcels)
   end subroutine advance
+
+  !> Walls go along with the parcels, which are ahead of the time within a step.
+  pure subroutine place_walls(self, ahead)
+    class(solids_t), intent(inout) :: self
+    real(wp), intent(in) :: ahead  !< [s]
+
+    if (self%chamber%fastest > 0.0_wp) call self%chamber%move_to(self%time + ahead)
+  end subroutine place_walls
 
   !> Contact forces and torques of this step.
   subroutine find_forces(self, dt)
@@ -271,10 +283,11 @@ contains
         call sweep_frictionless(self%pair_law, self%pairs, state, force)
       end if
     end associate
+    self%walls%step = self%step
     call self%walls%sweep(self%chamber, self%wall_law, self%parcels)
   end subroutine find_forces
 
-  !> After a drift: make new lists if some parcel may have gone half the skin, else refresh the ghosts.
+  !> After a drift: make new lists if some parcel or wall may have gone half the skin, else refresh the ghosts.
   !> The largest speed bounds the way gone; the ways themselves are looked at only when the bound is used up.
   subroutine keep_neighbours(self, time, fastest, sound, outcome)
     class(solids_t), intent(inout) :: self
@@ -284,7 +297,7 @@ contains
     type(outcome_t), intent(inout) :: outcome
 
     real(wp), parameter :: nearly = 0.8_wp
-    real(wp) :: largest(2)
+    real(wp) :: largest(2), wall_way
 
     largest = [merge(fastest, 0.0_wp, sound), merge(0.0_wp, 1.0_wp, sound)]
     if (self%comm%size > 1) largest = self%comm%max(largest)
@@ -296,7 +309,8 @@ contains
     self%travelled = self%travelled + time*self%speed
     call self%pairs%note_way(time*self%speed)
     if (self%travelled > 0.5_wp*self%skin) self%travelled = self%comm%max(farthest(self%parcels))
-    if (self%travelled > nearly*0.5_wp*self%skin) then
+    wall_way = self%chamber%fastest*(self%chamber%time - self%listed_at)
+    if (max(self%travelled, wall_way) > nearly*0.5_wp*self%skin) then
       call self%renew_lists(outcome)
     else
       call self%ghosts%refresh(self%parcels)
@@ -348,6 +362,7 @@ contains
       self%parcels%built(:, i) = self%parcels%state(1:3, i)
     end do
     self%travelled = 0.0_wp
+    self%listed_at = self%chamber%time
   end subroutine note_places
 
   !> The lists themselves, with the slips kept in `history`; for `renew_lists` and the reading of restarts.

@@ -21,6 +21,7 @@ module scene
   use mesh, only: mesh_t, new_mesh
   use outcome, only: outcome_t, exit_failed
   use solids, only: solids_t
+  use surface, only: surface_t
   use text, only: brief, shown
   use timing, only: stopwatch_t
   use wall_settings, only: wall_settings_t
@@ -87,7 +88,7 @@ contains
     associate (d => case%domain)
       if (.not. self%with_gas) self%mesh = new_mesh(d%lower, d%upper, cells_without_gas(d%upper - d%lower), d%periodic)
     end associate
-    if (self%with_parcels) call self%solids%create(comm, chamber_of(case%domain, case%boundaries, case%walls), &
+    if (self%with_parcels) call self%solids%create(comm, chamber_of(case%domain, case%boundaries, case%walls, case%surfaces), &
                                                    case%contact, case%des, self%with_gas, tile_width(self))
     if (self%with_gas .and. self%with_parcels) then
       call self%coupling%create(self%mesh, self%boxes, case%coupling, case%gas, case%domain%gravity)
@@ -130,10 +131,11 @@ contains
 
   !> The box of the parcels: every face is a wall but the periodic ones and those a boundary opens as a whole; and the walls
   !> within it.
-  pure function chamber_of(domain, boundaries, walls) result(chamber)
+  pure function chamber_of(domain, boundaries, walls, surfaces) result(chamber)
     type(domain_settings_t), intent(in) :: domain
     type(boundary_settings_t), intent(in) :: boundaries(:)
     type(wall_settings_t), intent(in) :: walls(:)
+    type(surface_t), intent(in) :: surfaces(:)  !< (walls) of meshes
     type(chamber_t) :: chamber
 
     integer :: a, b
@@ -143,7 +145,7 @@ contains
     chamber%upper = domain%upper
     chamber%periodic = domain%periodic
     chamber%gravity = domain%gravity
-    call chamber%add_walls(walls)
+    call chamber%add_walls(walls, surfaces)
     do b = 1, size(boundaries)
       if (boundaries(b)%parcels /= 'open') cycle
       do a = 1, 3
