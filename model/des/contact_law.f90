@@ -1,11 +1,13 @@
 !> The law of contacts of one pair of materials, as the case chose it. It is asked for a block of pairs at a time, so
 !> that the choice costs nothing.
 module contact_law
-  use constants, only: is_set
+  use cohesion, only: cohesion_t
+  use constants, only: pi, is_set
   use contact_hertz, only: hertz_t, new_hertz, elastic_t, hertz_friction_forces, hertz_frictionless_forces
   use contact_linear, only: linear_t, new_linear, linear_friction_forces, linear_frictionless_forces
   use contact_settings, only: contact_settings_t
   use kinds, only: wp
+  use rolling, only: rolling_t
   implicit none
   private
   public :: contact_law_t, new_pair_law, new_wall_law, friction_forces, frictionless_forces
@@ -15,6 +17,8 @@ module contact_law
     type(linear_t) :: linear
     type(hertz_t) :: hertz
     real(wp) :: mu = 0.0_wp          !< Coulomb friction [-]
+    type(rolling_t) :: rolling       !< resistance to rolling, if there is any
+    type(cohesion_t) :: cohesion     !< attraction, if there is any
   contains
     procedure :: set_step
     procedure :: contact_time
@@ -38,6 +42,8 @@ contains
       law%linear = new_linear(settings%stiffness, settings%tangential_ratio, settings%restitution, &
                               settings%tangential_damping_ratio, law%mu)
     end if
+    law%rolling = rolling_of(settings, settings%rolling_friction, law)
+    law%cohesion = cohesion_of(settings, settings%hamaker_constant, settings%cohesion_energy)
   end function new_pair_law
 
   !> Between a parcel and a wall. What is not set for walls is as between parcels.
@@ -60,7 +66,46 @@ contains
       law%linear = new_linear(given(settings%wall_stiffness, settings%stiffness), settings%tangential_ratio, restitution, &
                               settings%tangential_damping_ratio, law%mu)
     end if
+    law%rolling = rolling_of(settings, given(settings%wall_rolling_friction, settings%rolling_friction), law)
+    law%cohesion = cohesion_of(settings, given(settings%wall_hamaker_constant, settings%hamaker_constant), &
+                               given(settings%wall_cohesion_energy, settings%cohesion_energy))
   end function new_wall_law
+
+  !> Resistance to rolling beside a law that is complete but for it.
+  pure function rolling_of(settings, mu, law) result(rolling)
+    type(contact_settings_t), intent(in) :: settings
+    real(wp), intent(in) :: mu  !< rolling friction [-]
+    type(contact_law_t), intent(in) :: law
+    type(rolling_t) :: rolling
+
+    if (settings%rolling == 'none') return
+    rolling%on = mu > 0.0_wp
+    rolling%spring = settings%rolling == 'spring'
+    rolling%hertzian = law%hertzian
+    rolling%mu = mu
+    rolling%damping = settings%rolling_damping
+    rolling%stiffness = merge(law%hertz%modulus, law%linear%k_n, law%hertzian)
+  end function rolling_of
+
+  pure function cohesion_of(settings, hamaker, energy) result(cohesion)
+    type(contact_settings_t), intent(in) :: settings
+    real(wp), intent(in) :: hamaker  !< [J]
+    real(wp), intent(in) :: energy   !< [J/m3]
+    type(cohesion_t) :: cohesion
+
+    select case (settings%cohesion)
+    case ('van_der_waals')
+      cohesion%on = hamaker > 0.0_wp
+      cohesion%van_der_waals = .true.
+      cohesion%strength = hamaker/6
+      cohesion%nearest = settings%minimum_separation
+      cohesion%reach = settings%maximum_separation
+    case ('linear')
+      cohesion%on = energy > 0.0_wp
+      cohesion%strength = pi*energy
+    case default
+    end select
+  end function cohesion_of
 
   pure function given(key, default)
     real(wp), intent(in) :: key, default
@@ -81,7 +126,7 @@ contains
     self%hertz%step = step
   end subroutine set_step
 
-  !> Time a collision takes [s].
+  !> Time a collision takes, or half a swing of the rolling spring if that is shorter [s].
   pure function contact_time(self, effective_mass, effective_radius, speed) result(time)
     class(contact_law_t), intent(in) :: self
     real(wp), intent(in) :: effective_mass    !< [kg]
@@ -94,6 +139,7 @@ contains
     else
       time = self%linear%contact_time(effective_mass)
     end if
+    time = time/self%rolling%hurry()
   end function contact_time
 
   !> Forces of n touching pairs with friction, n a multiple of `lanes`: see `linear_friction_forces`.

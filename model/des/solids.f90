@@ -6,6 +6,7 @@
 !> their places, sorts them in space and gives the contacts their slips back.
 module solids
   use close_pairs, only: close_pairs_t
+  use cohesion_sweep, only: attract_pairs, attract_walls
   use communicator, only: communicator_t
   use contact_history, only: history_t
   use contact_law, only: contact_law_t, new_pair_law, new_wall_law
@@ -17,7 +18,7 @@ module solids
   use ghosts, only: ghosts_t
   use kinds, only: wp, i8
   use migration, only: migrate, nowhere
-  use motion, only: add_lead, take_lead, drift, kick_and_drift
+  use motion, only: add_lead, take_lead, drift, kick_and_drift, farthest
   use neighbours, only: search_t
   use outcome, only: outcome_t
   use parcels, only: parcels_t, radius_row, mass_row, curvature_row
@@ -51,9 +52,11 @@ module solids
     type(search_t) :: search
     real(wp) :: tile_width = 0.0_wp      !< least width asked for [m]
     real(wp) :: skin = 0.0_wp            !< [m]
+    real(wp) :: reach = 0.0_wp           !< of the attraction, from surface to surface [m]
     real(wp) :: range = 0.0_wp           !< largest distance of the centres of a listed pair [m]
     real(wp) :: smallest_radius = huge(1.0_wp), largest_radius = 0.0_wp  !< on all ranks [m]
     real(wp) :: smallest_mass = huge(1.0_wp)                             !< of a parcel, on all ranks [kg]
+    real(wp) :: largest_ratio = 0.0_wp   !< of radius over mass of a parcel, on all ranks [m/kg]
     real(wp) :: time = 0.0_wp            !< [s]
     real(wp) :: step = 0.0_wp            !< steps done; a real, as the slips keep it
     real(wp) :: travelled = 0.0_wp       !< at most, by any parcel since the lists were made [m]
@@ -100,6 +103,11 @@ contains
     friction = self%pair_law%mu > 0.0_wp .or. self%wall_law%mu > 0.0_wp
     self%pairs%with_history = friction
     self%walls%with_history = friction
+    self%pairs%with_angles = self%pair_law%rolling%spring .or. self%wall_law%rolling%spring
+    self%walls%with_angles = self%pairs%with_angles
+    if (self%pairs%with_angles) self%history%rows = 6
+    if (self%pair_law%cohesion%on) self%reach = self%pair_law%cohesion%reach
+    if (self%wall_law%cohesion%on) self%reach = self%wall_law%cohesion%reach
     call self%parcels%create(friction, with_gas)
     call self%history%clear()
   end subroutine create
@@ -160,20 +168,22 @@ contains
   subroutine set_reach(self)
     class(solids_t), intent(inout) :: self
 
-    real(wp) :: extremes(3), width
+    real(wp) :: extremes(4), width
 
     associate (p => self%parcels)
       extremes = -huge(1.0_wp)
       if (p%n > 0) extremes = [maxval(p%state(radius_row, 1:p%n)), -minval(p%state(radius_row, 1:p%n)), &
-                               maxval(p%state(mass_row, 1:p%n))]
+                               maxval(p%state(mass_row, 1:p%n)), &
+                               maxval(p%state(radius_row, 1:p%n)*p%state(mass_row, 1:p%n))]
     end associate
     extremes = self%comm%max(extremes)
     if (extremes(1) < 0.0_wp) return
     self%largest_radius = max(self%largest_radius, extremes(1))
     self%smallest_radius = min(self%smallest_radius, -extremes(2))
     self%smallest_mass = min(self%smallest_mass, 1/extremes(3))
+    self%largest_ratio = max(self%largest_ratio, extremes(4))
     self%skin = given(self%numerics%skin, automatic_skin*typical_width(self))
-    self%range = 2*self%largest_radius + self%skin
+    self%range = 2*self%largest_radius + self%skin + self%reach
     call self%search%set_levels(self%smallest_radius, self%largest_radius)
     width = max(self%tile_width, self%range)
     if (allocated(self%tiles%owner)) then
@@ -192,8 +202,9 @@ contains
     width = 2*sqrt(self%smallest_radius*self%largest_radius)
   end function typical_width
 
-  !> The longest solids step, from the shortest collision of two parcels or of a parcel and a wall [s]. That of Hertz's
-  !> law goes with the fifth root of the speed, for which `impact_velocity` stands unless a higher one is given.
+  !> The longest solids step, from the shortest collision, or swing by attraction, of two parcels or of a parcel and a wall [s].
+  !> The collision of Hertz's law goes with the fifth root of the speed, for which `impact_velocity` stands unless a higher one is
+  !> given.
   function time_step_limit(self, speed) result(dt)
     class(solids_t), intent(in) :: self
     real(wp), intent(in), optional :: speed  !< of an approach [m/s]
@@ -208,7 +219,9 @@ contains
       if (present(speed)) fastest = max(fastest, speed)
       associate (m => self%smallest_mass, r => self%smallest_radius)
         dt = min(self%pair_law%contact_time(0.5_wp*m, 0.5_wp*r, fastest), &
-                 self%wall_law%contact_time(m, r, fastest))/self%numerics%steps_per_collision
+                 self%wall_law%contact_time(m, r, fastest), &
+                 self%pair_law%cohesion%time(self%largest_ratio), &
+                 self%wall_law%cohesion%time(self%largest_ratio))/self%numerics%steps_per_collision
       end associate
     end if
   end function time_step_limit
@@ -285,6 +298,8 @@ contains
     end associate
     self%walls%step = self%step
     call self%walls%sweep(self%chamber, self%wall_law, self%parcels)
+    if (self%pair_law%cohesion%on) call attract_pairs(self%pair_law%cohesion, self%list, self%parcels)
+    if (self%wall_law%cohesion%on) call attract_walls(self%wall_law%cohesion, self%chamber, self%walls, self%parcels)
   end subroutine find_forces
 
   !> After a drift: make new lists if some parcel or wall may have gone half the skin, else refresh the ghosts.
@@ -316,21 +331,6 @@ contains
       call self%ghosts%refresh(self%parcels)
     end if
   end subroutine keep_neighbours
-
-  !> The longest way any of my parcels has gone since the lists were made [m].
-  pure function farthest(parcels)
-    type(parcels_t), intent(in) :: parcels
-    real(wp) :: farthest
-
-    real(wp) :: square
-    integer :: i
-
-    square = 0.0_wp
-    do i = 1, parcels%n
-      square = max(square, sum((parcels%state(1:3, i) - parcels%built(:, i))**2))
-    end do
-    farthest = sqrt(square)
-  end function farthest
 
   !> Take the slips out of the present lists.
   subroutine keep_history(self)
@@ -378,14 +378,14 @@ contains
     if (outcome%failed()) return
     call settle_owners(self)
     allocate (order(self%parcels%n), place(self%parcels%n))
-    call self%search%sort_own(self%parcels, self%skin, order)
+    call self%search%sort_own(self%parcels, self%skin + self%reach, order)
     call self%parcels%reorder(order)
     place(order) = [(i, i=1, size(order))]
     call self%history%follow(place)
     call self%ghosts%invite(self%tiles, self%range, self%parcels)
-    call self%search%build(self%parcels, self%skin, self%list)
+    call self%search%build(self%parcels, self%skin + self%reach, self%list)
     call self%pairs%take_all(self%list)
-    call self%walls%build(self%chamber, self%parcels, 0.5_wp*self%skin)
+    call self%walls%build(self%chamber, self%parcels, 0.5_wp*self%skin + self%reach)
     if (self%parcels%rotation) call self%history%restore(self%list, self%pairs, self%walls, self%parcels, self%step)
     self%rebuilds = self%rebuilds + 1
   end subroutine make_lists

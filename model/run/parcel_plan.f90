@@ -75,7 +75,7 @@ contains
     plan%weight = [minval(plan%weight), maxval(plan%weight)]
   end subroutine find_extremes
 
-  !> Of two of the smallest parcels, or of one and a wall [s].
+  !> Of two of the smallest parcels, or of one and a wall; or the swing by their attraction [s].
   pure function shortest_contact(case, mass, radius) result(time)
     type(case_t), intent(in) :: case
     real(wp), intent(in) :: mass    !< of the smallest parcel [kg]
@@ -87,7 +87,8 @@ contains
     pair = new_pair_law(case%contact)
     wall = new_wall_law(case%contact)
     time = min(pair%contact_time(mass/2, radius/2, case%contact%impact_velocity), &
-               wall%contact_time(mass, radius, case%contact%impact_velocity))
+               wall%contact_time(mass, radius, case%contact%impact_velocity), &
+               pair%cohesion%time(radius/mass), wall%cohesion%time(radius/mass))
   end function shortest_contact
 
 end module parcel_plan
