@@ -7,8 +7,10 @@
 module solids
   use communicator, only: communicator_t
   use contact_history, only: history_t
-  use contact_law, only: contact_law_t, new_pair_law, new_wall_law
+  use contact_law, only: contact_law_t
+  use contact_laws, only: contact_laws_t, new_contact_laws
   use contact_list, only: contact_list_t
+  use contact_parts, only: deal, gather
   use contact_settings, only: contact_settings_t
   use contact_sweep, only: sweep_friction, sweep_frictionless
   use constants, only: pi, is_set
@@ -38,11 +40,12 @@ module solids
     type(chamber_t) :: chamber
     type(contact_settings_t) :: contact
     type(des_settings_t) :: numerics
-    type(contact_law_t) :: pair_law, wall_law
+    type(contact_laws_t) :: laws
     type(parcels_t) :: parcels
     type(tiles_t) :: tiles               !< exist once parcels do
     integer :: tilings = 0               !< how often tiles were made or changed hands
     type(contact_list_t) :: list
+    type(contact_list_t), allocatable :: parts(:)  !< with several laws: `list` dealt by them; slips are here
     type(wall_list_t) :: walls
     type(ghosts_t) :: ghosts
     type(history_t) :: history           !< slips between two lists
@@ -51,7 +54,7 @@ module solids
     real(wp) :: skin = 0.0_wp            !< [m]
     real(wp) :: range = 0.0_wp           !< largest distance of the centres of a listed pair [m]
     real(wp) :: smallest_radius = huge(1.0_wp), largest_radius = 0.0_wp  !< on all ranks [m]
-    real(wp) :: smallest_mass = huge(1.0_wp)                             !< of a parcel, on all ranks [kg]
+    real(wp), allocatable :: lightest(:), smallest(:)  !< (0:M) mass [kg] and radius [m] of a parcel of each material, on all ranks
     real(wp) :: time = 0.0_wp            !< [s]
     real(wp) :: step = 0.0_wp            !< steps done; a real, as the slips keep it
     real(wp) :: travelled = 0.0_wp       !< at most, by any parcel since the lists were made [m]
@@ -70,6 +73,7 @@ module solids
     procedure :: set_reach
     procedure :: make_lists
     procedure :: renew_lists
+    procedure :: gather_slips
   end type solids_t
 
 contains
@@ -84,19 +88,17 @@ contains
     logical, intent(in) :: with_gas         !< whether a gas drives the parcels
     real(wp), intent(in) :: tile_width      !< least width of a tile [m]; 0: as thin as contacts allow
 
-    logical :: friction
-
     self%comm = comm
     self%chamber = chamber
     self%contact = contact
     self%numerics = numerics
     self%tile_width = tile_width
-    self%pair_law = new_pair_law(contact)
-    self%wall_law = new_wall_law(contact)
-    friction = self%pair_law%mu > 0.0_wp .or. self%wall_law%mu > 0.0_wp
-    self%list%with_history = friction
-    self%walls%with_history = friction
-    call self%parcels%create(friction, with_gas)
+    self%laws = new_contact_laws(contact, chamber%materials())
+    if (size(self%laws%pair) > 1) allocate (self%parts(size(self%laws%pair)))
+    allocate (self%lightest(0:self%laws%materials()), self%smallest(0:self%laws%materials()), source=huge(1.0_wp))
+    self%list%with_history = self%laws%friction
+    self%walls%with_history = self%laws%friction
+    call self%parcels%create(self%laws%friction, with_gas)
     call self%history%clear()
   end subroutine create
 
@@ -156,18 +158,28 @@ contains
   subroutine set_reach(self)
     class(solids_t), intent(inout) :: self
 
-    real(wp) :: extremes(3), width
+    real(wp) :: extremes(1 + 2*size(self%lightest)), width
+    integer :: i, m, n
 
+    n = size(self%lightest)
+    extremes(1) = -huge(1.0_wp)
+    extremes(2:n + 1) = -self%smallest
+    extremes(n + 2:) = -self%lightest
     associate (p => self%parcels)
-      extremes = -huge(1.0_wp)
-      if (p%n > 0) extremes = [maxval(p%state(radius_row, 1:p%n)), -minval(p%state(radius_row, 1:p%n)), &
-                               maxval(p%state(mass_row, 1:p%n))]
+      do i = 1, p%n
+        m = 2
+        if (n > 1) m = 2 + self%laws%material(p%powder(i))
+        extremes(1) = max(extremes(1), p%state(radius_row, i))
+        extremes(m) = max(extremes(m), -p%state(radius_row, i))
+        extremes(m + n) = max(extremes(m + n), -1/p%state(mass_row, i))
+      end do
     end associate
     extremes = self%comm%max(extremes)
     if (extremes(1) < 0.0_wp) return
     self%largest_radius = max(self%largest_radius, extremes(1))
-    self%smallest_radius = min(self%smallest_radius, -extremes(2))
-    self%smallest_mass = min(self%smallest_mass, 1/extremes(3))
+    self%smallest = -extremes(2:n + 1)
+    self%lightest = -extremes(n + 2:)
+    self%smallest_radius = minval(self%smallest)
     self%skin = given(self%numerics%skin, 2*automatic_skin*sqrt(self%smallest_radius*self%largest_radius))
     self%range = 2*self%largest_radius + self%skin
     call self%search%set_levels(self%smallest_radius, self%largest_radius)
@@ -180,7 +192,7 @@ contains
     self%tilings = self%tilings + 1
   end subroutine set_reach
 
-  !> The longest solids step, from the shortest collision of two parcels or of a parcel and a wall [s]. That of Hertz's
+  !> The longest solids step, from the shortest collision of any two parcels or of one and a wall [s]. That of Hertz's
   !> law goes with the fifth root of the speed, for which `impact_velocity` stands unless a higher one is given.
   function time_step_limit(self, speed) result(dt)
     class(solids_t), intent(in) :: self
@@ -194,10 +206,7 @@ contains
     else
       fastest = self%contact%impact_velocity
       if (present(speed)) fastest = max(fastest, speed)
-      associate (m => self%smallest_mass, r => self%smallest_radius)
-        dt = min(self%pair_law%contact_time(0.5_wp*m, 0.5_wp*r, fastest), &
-                 self%wall_law%contact_time(m, r, fastest))/self%numerics%steps_per_collision
-      end associate
+      dt = self%laws%contact_time(self%lightest, self%smallest, fastest)/self%numerics%steps_per_collision
     end if
   end function time_step_limit
 
@@ -249,16 +258,32 @@ contains
     class(solids_t), intent(inout) :: self
     real(wp), intent(in) :: dt  !< [s]
 
+    integer :: law
+
     self%step = self%step + 1
-    call self%pair_law%set_step(dt, self%step)
-    call self%wall_law%set_step(dt, self%step)
-    if (self%parcels%rotation) then
-      call sweep_friction(self%pair_law, self%list, self%parcels%state, self%parcels%force)
+    call self%laws%set_step(dt, self%step)
+    if (.not. allocated(self%parts)) then
+      call sweep(self%laws%pair(1), self%list, self%parcels)
     else
-      call sweep_frictionless(self%pair_law, self%list, self%parcels%state, self%parcels%force)
+      do law = 1, size(self%parts)
+        call sweep(self%laws%pair(law), self%parts(law), self%parcels)
+      end do
     end if
-    call self%walls%sweep(self%chamber, self%wall_law, self%parcels)
+    call self%walls%sweep(self%chamber, self%laws, self%parcels)
   end subroutine find_forces
+
+  !> Of the pairs of a list.
+  subroutine sweep(law, list, parcels)
+    type(contact_law_t), intent(in) :: law
+    type(contact_list_t), intent(inout) :: list
+    type(parcels_t), intent(inout) :: parcels
+
+    if (parcels%rotation) then
+      call sweep_friction(law, list, parcels%state, parcels%force)
+    else
+      call sweep_frictionless(law, list, parcels%state, parcels%force)
+    end if
+  end subroutine sweep
 
   !> After a drift: make new lists if some parcel may have gone half the skin, else refresh the ghosts.
   !> The largest speed bounds the way gone; the ways themselves are looked at only when the bound is used up.
@@ -308,9 +333,26 @@ contains
 
     call self%history%clear()
     if (self%parcels%rotation .and. self%rebuilds > 0) then
+      call self%gather_slips(self%list)
       call self%history%collect(self%list, self%walls, self%parcels, self%step)
     end if
   end subroutine keep_history
+
+  !> Bring the slips of a list up to date that was dealt to the present parts, if it was.
+  pure subroutine gather_slips(self, list)
+    class(solids_t), intent(in) :: self
+    type(contact_list_t), intent(inout) :: list
+
+    if (allocated(self%parts)) call gather(self%parts, materials_of(self), self%laws%pair_number, list)
+  end subroutine gather_slips
+
+  !> Of all columns, ghosts included.
+  pure function materials_of(self) result(material)
+    class(solids_t), intent(in) :: self
+    integer :: material(self%parcels%n_all())
+
+    material = self%laws%material(self%parcels%powder(1:self%parcels%n_all()))
+  end function materials_of
 
   !> New lists for the parcels where they are. All ranks take part.
   subroutine renew_lists(self, outcome)
@@ -351,11 +393,12 @@ contains
     call self%parcels%reorder(order)
     place(order) = [(i, i=1, size(order))]
     call self%history%follow(place)
-    call self%ghosts%invite(self%tiles, self%range, self%parcels)
+    call self%ghosts%invite(self%tiles, self%range, self%parcels, with_powder=allocated(self%parts))
     call self%search%build(self%parcels, self%skin, self%list)
     call self%list%clear_history()
     call self%walls%build(self%chamber, self%parcels, 0.5_wp*self%skin)
     if (self%parcels%rotation) call self%history%restore(self%list, self%walls, self%parcels, self%step)
+    if (allocated(self%parts)) call deal(self%list, materials_of(self), self%laws%pair_number, self%parts)
     self%rebuilds = self%rebuilds + 1
   end subroutine make_lists
 

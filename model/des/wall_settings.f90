@@ -25,6 +25,8 @@ module wall_settings
     real(wp) :: velocity(3) = 0.0_wp                !< of the surface, along itself [m/s]
     real(wp) :: angular_velocity(3) = 0.0_wp        !< of the surface, onto itself [rad/s]
     real(wp) :: rotation_centre(3) = unset          !< [m]
+    character(len=word_length) :: material_id = ''  !< key material
+    integer :: material = 0                         !< place of that record; 0: that of all walls
   contains
     procedure :: has_length
     procedure :: has_shape
@@ -62,6 +64,7 @@ contains
                   'of the plane: a drum [rad/s]')
     settings%rotation_centre = settings%point
     call keys%get('rotation_centre', settings%rotation_centre, 'a point of the axis of rotation; point if not given [m]')
+    call keys%get_reference('material', settings%material_id, settings%material, 'material', required=.false., when='')
     call check_keys(settings, keys)
     if (settings%has_shape()) call check_motion(settings, keys)
   end subroutine declare_wall

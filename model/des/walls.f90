@@ -1,10 +1,11 @@
 !> Contacts of parcels with the plane faces of the chamber and the walls within it.
 !>
 !> A wall is a partner of infinite mass and no radius or curvature in the parcel's foot point, the nearest point of the wall,
-!> and moves as its surface does there; the law is the one of parcels, with the constants of the wall.
+!> and moves as its surface does there; the law is the one of parcels, with the constants of the parcel's and the wall's materials.
 module walls
   use contact_lanes, only: lanes
   use contact_law, only: contact_law_t, friction_forces, frictionless_forces
+  use contact_laws, only: contact_laws_t
   use contact_list, only: never
   use kinds, only: wp
   use parcels, only: parcels_t
@@ -115,22 +116,22 @@ contains
   end subroutine add_entry
 
   !> Add the forces and torques of all walls.
-  pure subroutine sweep(self, chamber, law, parcels)
+  pure subroutine sweep(self, chamber, laws, parcels)
     class(wall_list_t), intent(inout) :: self
     type(chamber_t), intent(in) :: chamber
-    type(contact_law_t), intent(in) :: law
+    type(contact_laws_t), intent(in) :: laws
     type(parcels_t), intent(inout) :: parcels
 
     self%through = 0
-    call sweep_faces(self, chamber, law, parcels)
-    if (chamber%n_planes > 0) call sweep_planes(self, chamber, law, parcels)
-    if (chamber%n_shells > 0) call sweep_shells(self, chamber, law, parcels)
+    call sweep_faces(self, chamber, laws, parcels)
+    if (chamber%n_planes > 0) call sweep_planes(self, chamber, laws, parcels)
+    if (chamber%n_shells > 0) call sweep_shells(self, chamber, laws, parcels)
   end subroutine sweep
 
-  pure subroutine sweep_faces(self, chamber, law, parcels)
+  pure subroutine sweep_faces(self, chamber, laws, parcels)
     type(wall_list_t), intent(inout) :: self
     type(chamber_t), intent(in) :: chamber
-    type(contact_law_t), intent(in) :: law
+    type(contact_laws_t), intent(in) :: laws
     type(parcels_t), intent(inout) :: parcels
 
     real(wp) :: pair(8, block_pairs), d
@@ -150,17 +151,17 @@ contains
         end if
       end associate
       if (n == block_pairs) then
-        call apply(self, law, touching(1:n), pair, parcels)
+        call apply(self, chamber, laws, touching(1:n), pair, parcels)
         n = 0
       end if
     end do
-    if (n > 0) call apply(self, law, touching(1:n), pair, parcels)
+    if (n > 0) call apply(self, chamber, laws, touching(1:n), pair, parcels)
   end subroutine sweep_faces
 
-  pure subroutine sweep_planes(self, chamber, law, parcels)
+  pure subroutine sweep_planes(self, chamber, laws, parcels)
     type(wall_list_t), intent(inout) :: self
     type(chamber_t), intent(in) :: chamber
-    type(contact_law_t), intent(in) :: law
+    type(contact_laws_t), intent(in) :: laws
     type(parcels_t), intent(inout) :: parcels
 
     real(wp) :: pair(8, block_pairs), d
@@ -181,17 +182,17 @@ contains
         end if
       end associate
       if (n == block_pairs) then
-        call apply(self, law, touching(1:n), pair, parcels)
+        call apply(self, chamber, laws, touching(1:n), pair, parcels)
         n = 0
       end if
     end do
-    if (n > 0) call apply(self, law, touching(1:n), pair, parcels)
+    if (n > 0) call apply(self, chamber, laws, touching(1:n), pair, parcels)
   end subroutine sweep_planes
 
-  pure subroutine sweep_shells(self, chamber, law, parcels)
+  pure subroutine sweep_shells(self, chamber, laws, parcels)
     type(wall_list_t), intent(inout) :: self
     type(chamber_t), intent(in) :: chamber
-    type(contact_law_t), intent(in) :: law
+    type(contact_laws_t), intent(in) :: laws
     type(parcels_t), intent(inout) :: parcels
 
     real(wp) :: pair(8, block_pairs), way(3), d
@@ -213,15 +214,46 @@ contains
         end if
       end associate
       if (n == block_pairs) then
-        call apply(self, law, touching(1:n), pair, parcels)
+        call apply(self, chamber, laws, touching(1:n), pair, parcels)
         n = 0
       end if
     end do
-    if (n > 0) call apply(self, law, touching(1:n), pair, parcels)
+    if (n > 0) call apply(self, chamber, laws, touching(1:n), pair, parcels)
   end subroutine sweep_shells
 
-  !> Forces of a block of contacts with walls. Lanes left over repeat the last contact.
-  pure subroutine apply(self, law, touching, pair, parcels)
+  !> Forces of a block of contacts with walls: those of each law together.
+  pure subroutine apply(self, chamber, laws, touching, pair, parcels)
+    class(wall_list_t), intent(inout) :: self
+    type(chamber_t), intent(in) :: chamber
+    type(contact_laws_t), intent(in) :: laws
+    integer, intent(in) :: touching(:)                 !< (n) entries
+    real(wp), intent(inout) :: pair(8, block_pairs)    !< see contact_linear
+    type(parcels_t), intent(inout) :: parcels
+
+    real(wp) :: chosen_pair(8, block_pairs)
+    integer :: number(block_pairs), chosen(block_pairs), law, m, n
+
+    if (size(laws%wall) == 1) then
+      call apply_law(self, laws%wall(1), touching, pair, parcels)
+      return
+    end if
+    do m = 1, size(touching)
+      number(m) = laws%of_wall(parcels%powder(self%parcel(touching(m))), chamber%material_of(self%face(touching(m))))
+    end do
+    do law = 1, size(laws%wall)
+      n = 0
+      do m = 1, size(touching)
+        if (number(m) /= law) cycle
+        n = n + 1
+        chosen(n) = touching(m)
+        chosen_pair(:, n) = pair(:, m)
+      end do
+      if (n > 0) call apply_law(self, laws%wall(law), chosen(1:n), chosen_pair, parcels)
+    end do
+  end subroutine apply
+
+  !> Forces of contacts of one law. Lanes left over repeat the last contact.
+  pure subroutine apply_law(self, law, touching, pair, parcels)
     class(wall_list_t), intent(inout) :: self
     type(contact_law_t), intent(in) :: law
     integer, intent(in) :: touching(:)                 !< (n) entries
@@ -256,6 +288,6 @@ contains
       self%slip(:, touching(m)) = slip(:, m)
       parcels%force(:, i) = parcels%force(:, i) + force(:, m)
     end do
-  end subroutine apply
+  end subroutine apply_law
 
 end module walls

@@ -2,10 +2,12 @@
 module case_description
   use case, only: case_t
   use constants, only: is_set
+  use contact_description, only: describe_contact
   use contact_settings, only: contact_settings_t
   use kinds, only: wp
   use outcome, only: outcome_t
-  use parcel_plan, only: parcel_plan_t, new_parcel_plan
+  use parcel_plan, only: parcel_plan_t, new_parcel_plan, shortest_contact
+  use described_line, only: line
   use text, only: brief, shown
   implicit none
   private
@@ -78,9 +80,8 @@ contains
     type(case_t), intent(in) :: case
     integer, intent(in) :: unit
 
-    type(parcel_plan_t) :: plan
+    type(parcel_plan_t) :: plans(size(case%fills))
     type(outcome_t) :: outcome
-    real(wp) :: shortest
     integer :: i
 
     if (.not. case%with_parcels) then
@@ -88,14 +89,13 @@ contains
       return
     end if
     call line(unit, 'parcels', weighting_words(case)//'; seed '//shown(case%parcels%seed))
-    shortest = huge(shortest)
     do i = 1, size(case%fills)
-      call new_parcel_plan(case, i, plan, outcome)
-      call describe_fill(case, i, plan, unit)
-      if (plan%known) shortest = min(shortest, plan%contact_time)
+      call new_parcel_plan(case, i, plans(i), outcome)
+      call describe_fill(case, i, plans(i), unit)
     end do
     call describe_walls(case, unit)
-    call describe_contact(case, shortest, unit)
+    call describe_contact(case, unit)
+    call describe_steps(case, shortest_contact(case, plans), unit)
     if (case%with_gas) call line(unit, 'coupling', 'drag of '//trim(case%coupling%drag)//'; the gas sees a void fraction of ' &
                                  //shown(case%coupling%minimum_void_fraction)//' or more')
   end subroutine describe_parcels
@@ -160,23 +160,14 @@ contains
     end associate
   end subroutine describe_fill
 
-  subroutine describe_contact(case, shortest, unit)
+  !> How many steps the parcels take.
+  subroutine describe_steps(case, shortest, unit)
     type(case_t), intent(in) :: case
     real(wp), intent(in) :: shortest  !< collision [s]; huge if not known
     integer, intent(in) :: unit
 
     real(wp) :: step
 
-    associate (contact => case%contact)
-      call line(unit, 'contact', law_words(contact)//', restitution '//shown(contact%restitution)//' for every pair')
-      if (is_set(case%coarseness)) call line(unit, '', 'scaled to parcels '//brief(case%coarseness) &
-                                             //' times as wide as their particles')
-      if (contact%friction > 0) then
-        call line(unit, '', 'friction '//shown(contact%friction)//': parcels rotate, contacts remember their slip')
-      else
-        call line(unit, '', 'no friction: no rotation, no memory of contacts')
-      end if
-    end associate
     if (.not. shortest < huge(shortest)) return
     step = shortest/case%des%steps_per_collision
     step = case%gas_numerics%time_step/ceiling(case%gas_numerics%time_step/step)
@@ -184,18 +175,7 @@ contains
               shown(case%des%steps_per_collision)//' or more in the shortest collision, '//brief(shortest) &
               //' s'//impact_words(case%contact)//',')
     call line(unit, '', 'more where a parcel would move by over a tenth of the smallest radius in one')
-  end subroutine describe_contact
-
-  pure function law_words(contact) result(words)
-    type(contact_settings_t), intent(in) :: contact
-    character(len=:), allocatable :: words
-
-    if (contact%law == 'hertz') then
-      words = 'Hertz, modulus '//shown(contact%youngs_modulus)//' Pa, Poisson''s ratio '//shown(contact%poisson_ratio)
-    else
-      words = 'linear spring '//shown(contact%stiffness)//' N/m'
-    end if
-  end function law_words
+  end subroutine describe_steps
 
   pure function impact_words(contact) result(words)
     type(contact_settings_t), intent(in) :: contact
@@ -261,12 +241,5 @@ contains
     words = brief(x(1))
     if (brief(x(2)) /= words) words = words//' to '//brief(x(2))
   end function range_of
-
-  subroutine line(unit, head, words)
-    integer, intent(in) :: unit
-    character(len=*), intent(in) :: head, words
-
-    write (unit, '(a,t15,a)') head, words
-  end subroutine line
 
 end module case_description

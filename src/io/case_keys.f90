@@ -26,6 +26,7 @@ module case_keys
     procedure :: get_list        !< any number of reals
     procedure :: get_id          !< the name of a record
     procedure :: get_reference   !< the name of a record of another group
+    procedure :: get_references  !< several such names
     procedure :: get_path        !< a file or folder
     procedure, private :: declare, look_up, take_text, demand_count
   end type keys_t
@@ -232,22 +233,71 @@ contains
     logical, intent(in) :: required
     character(len=*), intent(in) :: when
 
+    call self%get(name, id, 'id of a &'//group//' record', required=required, when=when)
+    place = self%file%find_id(group, trim(id))
+    if (place == 0 .and. len_trim(id) > 0) call blame_reference(self, name, group, trim(id), 'of that id')
+  end subroutine get_reference
+
+  !> As many ids of records of another group as there is room for, always required, and which ones these are.
+  subroutine get_references(self, name, ids, places, group)
+    class(keys_t), intent(inout) :: self
+    character(len=*), intent(in) :: name
+    character(len=word_length), intent(inout) :: ids(:)
+    integer, intent(out) :: places(size(ids))     !< counted within the group; 0 if there is no such record
+    character(len=*), intent(in) :: group
+
+    type(word_t), allocatable :: words(:)
+    integer :: i
+    logical :: bare
+
+    places = 0
+    call self%declare(new_key(name, plural('text', size(ids)), 'ids of &'//group//' records', '', '', 'always'))
+    call self%look_up(name, words, .true., 'always')
+    if (.not. self%demand_count(name, words, size(ids))) return
+    associate (entries => self%file%records(self%record)%entries)
+      bare = allocated(entries(find_entry(entries, name))%whole)  ! from a command line, which eats quotes
+    end associate
+    do i = 1, size(ids)
+      call self%require(bare .or. words(i)%is_text, name, "must be texts in quotes: '"//words(i)%text//"'")
+      ids(i) = words(i)%text
+      places(i) = self%file%find_id(group, words(i)%text)
+      if (places(i) == 0) call blame_reference(self, name, group, words(i)%text, "'"//words(i)%text//"'")
+    end do
+    call self%echo(name, enumeration(ids))
+  end subroutine get_references
+
+  !> 'a', 'b', in quotes.
+  pure function enumeration(ids) result(words)
+    character(len=*), intent(in) :: ids(:)
+    character(len=:), allocatable :: words
+
+    integer :: i
+
+    words = shown(trim(ids(1)))
+    do i = 2, size(ids)
+      words = words//', '//shown(trim(ids(i)))
+    end do
+  end function enumeration
+
+  !> There is no such record, but perhaps one of a similar name.
+  subroutine blame_reference(keys, name, group, id, words)
+    type(keys_t), intent(inout) :: keys
+    character(len=*), intent(in) :: name, group, id
+    character(len=*), intent(in) :: words  !< for the id
+
     type(string_t), allocatable :: ids(:)
     character(len=:), allocatable :: message
     integer :: i, best
 
-    call self%get(name, id, 'id of a &'//group//' record', required=required, when=when)
-    place = self%file%find_id(group, trim(id))
-    if (place > 0 .or. len_trim(id) == 0) return
-    allocate (ids(self%file%count(group)))
+    allocate (ids(keys%file%count(group)))
     do i = 1, size(ids)
-      ids(i)%text = self%file%id(self%file%find(group, i))
+      ids(i)%text = keys%file%id(keys%file%find(group, i))
     end do
-    best = nearest_name(trim(id), ids)
-    message = 'there is no &'//group//' of that id'
+    best = nearest_name(id, ids)
+    message = 'there is no &'//group//' '//words
     if (best > 0) message = message//"; did you mean '"//ids(best)%text//"'?"
-    call self%require(.false., name, message)
-  end subroutine get_reference
+    call keys%require(.false., name, message)
+  end subroutine blame_reference
 
   !> A file or folder, relative to the file in which the key stands; on return, relative to where the program
   !> was started.
