@@ -70,11 +70,23 @@ contains
         if (region%kind == 'outflow') text = text//' at '//shown(merge(region%pressure, case%gas%pressure, &
                                                                        is_set(region%pressure)))//' Pa'
         if (region%parcels == 'open') text = text//' open to parcels'
+        text = text//made_of(case, region%material)
         call line(unit, 'boundary', text)
       end associate
     end do
-    if (.not. all(case%domain%periodic)) call line(unit, '', 'the rest of the surface: wall')
+    if (.not. all(case%domain%periodic)) call line(unit, '', 'the rest of the surface: wall' &
+                                                //made_of(case, case%contact%wall_material))
   end subroutine describe_boundaries
+
+  !> ' of steel', nothing where no material is named.
+  pure function made_of(case, material) result(words)
+    type(case_t), intent(in) :: case
+    integer, intent(in) :: material
+    character(len=:), allocatable :: words
+
+    words = ''
+    if (material > 0) words = ' of '//trim(case%contact%materials(material)%id)
+  end function made_of
 
   subroutine describe_parcels(case, unit)
     type(case_t), intent(in) :: case
@@ -112,6 +124,7 @@ contains
         text = trim(wall%id)//': '//trim(wall%kind)
         if (wall%kind == 'cylinder' .and. wall%has_length()) text = text//' '//shown(wall%length)//' m long'
         if (wall%kind == 'cylinder' .and. .not. wall%has_length()) text = text//', parcels '//trim(wall%side)
+        text = text//made_of(case, wall%material)
         if (norm2(wall%velocity) > 0) text = text//', running at '//brief(norm2(wall%velocity))//' m/s'
         if (norm2(wall%angular_velocity) > 0) text = text//', turning at '//brief(norm2(wall%angular_velocity))//' rad/s'
         call line(unit, 'wall', text)
