@@ -120,12 +120,12 @@ contains
     real(wp), intent(in) :: pair(8, lanes), spin(4, lanes), slip(4, lanes)
     real(wp), intent(out) :: forces(lanes, 8), slips(lanes, 4)
 
-    real(wp) :: x, y, z, reach, square, per_d, d, q, share, per_reach, gamma_n, v_n, f_n, part, excess, way
+    real(wp) :: x, y, z, reach, square, per_d, d, q, share, per_reach, gamma_n, v_n, f_n, part, excess, way, delta, next
     real(wp) :: t_x, t_y, t_z, a, b, c, along, gamma_t, f_x, f_y, f_z, cap, back, keep
     integer :: k
 
     excess = law%excess*law%dt**2
-    !$omp simd simdlen(8) private(x, y, z, reach, way, square, per_d, d, q, share, per_reach, gamma_n, v_n) &
+    !$omp simd simdlen(8) private(x, y, z, reach, delta, next, way, square, per_d, d, q, share, per_reach, gamma_n, v_n) &
     !$omp& private(f_n, part, t_x, t_y, t_z, a, b, c, along, gamma_t, f_x, f_y, f_z, cap, back, keep)
     do k = 1, lanes
       x = pair(1, k)
@@ -143,12 +143,14 @@ contains
       v_n = (pair(5, k)*x + pair(6, k)*y + pair(7, k)*z)*per_d
       gamma_n = law%damping*share*reach
       gamma_t = law%tangential*gamma_n
-      way = law%dt*max(-v_n, v_n + 0.5_wp*law%dt*pair(8, k)*(law%k_n*(reach - d) - gamma_n*v_n))
-      part = min(reach - d, way)/max(way, tiny(way))
-      gamma_n = gamma_n*merge(0.5_wp + part, 1.0_wp, part < 1.0_wp)
+      delta = reach - d
+      next = v_n + 0.5_wp*law%dt*pair(8, k)*(law%k_n*delta - gamma_n*v_n)
+      way = law%dt*merge(next, -v_n, next > -v_n)
+      part = delta/max(merge(way, delta, way > delta), tiny(way))
+      gamma_n = gamma_n*(part + merge(0.5_wp, 0.0_wp, part < 1.0_wp))
 
       ! Normal force, and the velocity at the contact point without its normal part.
-      f_n = law%k_n*(reach - d) - gamma_n*v_n
+      f_n = law%k_n*delta - gamma_n*v_n
       part = v_n*per_d
       t_x = pair(5, k) - x*part - (spin(2, k)*z - spin(3, k)*y)*per_reach
       t_y = pair(6, k) - y*part - (spin(3, k)*x - spin(1, k)*z)*per_reach
@@ -212,20 +214,21 @@ contains
     real(wp), intent(in) :: pair(8, lanes)
     real(wp), intent(out) :: forces(lanes, 4)
 
-    real(wp) :: square, per_d, delta, gamma_n, v_n, f_n, excess, way, part
+    real(wp) :: square, per_d, delta, gamma_n, v_n, f_n, excess, way, part, next
     integer :: k
 
     excess = law%excess*law%dt**2
-    !$omp simd simdlen(8) private(square, per_d, delta, way, part, gamma_n, v_n, f_n)
+    !$omp simd simdlen(8) private(square, per_d, delta, next, way, part, gamma_n, v_n, f_n)
     do k = 1, lanes
       square = pair(1, k)*pair(1, k) + pair(2, k)*pair(2, k) + pair(3, k)*pair(3, k)
       per_d = 1/sqrt(square)
       v_n = (pair(5, k)*pair(1, k) + pair(6, k)*pair(2, k) + pair(7, k)*pair(3, k))*per_d
       delta = pair(4, k) - square*per_d
       gamma_n = law%damping/(sqrt(pair(8, k))*(1 + excess*pair(8, k)))
-      way = law%dt*max(-v_n, v_n + 0.5_wp*law%dt*pair(8, k)*(law%k_n*delta - gamma_n*v_n))
-      part = min(delta, way)/max(way, tiny(way))
-      gamma_n = gamma_n*merge(0.5_wp + part, 1.0_wp, part < 1.0_wp)
+      next = v_n + 0.5_wp*law%dt*pair(8, k)*(law%k_n*delta - gamma_n*v_n)
+      way = law%dt*merge(next, -v_n, next > -v_n)
+      part = delta/max(merge(way, delta, way > delta), tiny(way))
+      gamma_n = gamma_n*(part + merge(0.5_wp, 0.0_wp, part < 1.0_wp))
       f_n = (law%k_n*delta - gamma_n*v_n)*per_d
       forces(k, 1) = pair(1, k)*f_n
       forces(k, 2) = pair(2, k)*f_n
