@@ -77,8 +77,8 @@ contains
                                              'wall_restitution', 'wall_friction']
     integer :: i
 
-    call keys%get_reference('wall_material', settings%wall_material_id, settings%wall_material, 'material', required=.false., &
-                            when='')
+    call keys%get_optional_reference('wall_material', settings%wall_material_id, settings%wall_material, 'material', &
+                                     'what faces of the domain, and walls that do not say, are made of, a &material')
     if (.not. keys%given('wall_material')) return
     do i = 1, size(own)
       call keys%require(.not. keys%given(trim(own(i))), trim(own(i)), 'belongs to walls without a material; there are none')

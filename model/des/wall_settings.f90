@@ -64,7 +64,8 @@ contains
                   'of the plane: a drum [rad/s]')
     settings%rotation_centre = settings%point
     call keys%get('rotation_centre', settings%rotation_centre, 'a point of the axis of rotation; point if not given [m]')
-    call keys%get_reference('material', settings%material_id, settings%material, 'material', required=.false., when='')
+    call keys%get_optional_reference('material', settings%material_id, settings%material, 'material', &
+                                     'what it is made of, a &material; wall_material of &contact if not given')
     call check_keys(settings, keys)
     if (settings%has_shape()) call check_motion(settings, keys)
   end subroutine declare_wall

@@ -44,7 +44,8 @@ contains
 
     call keys%get_id(settings%id, 'name of the powder')
     call keys%get('density', settings%density, 'density of a particle [kg/m3]', '(0, inf)', required=.true., when='always')
-    call keys%get_reference('material', settings%material_id, settings%material, 'material', required=.false., when='')
+    call keys%get_optional_reference('material', settings%material_id, settings%material, 'material', &
+                                     'what its particles are made of, a &material; if not given, what &contact says')
     call keys%get('distribution', settings%distribution, 'distribution of the particle diameter', &
                   'single | normal | log_normal | sieve_table | number_table')
     tabulated = index(settings%distribution, 'table') > 0

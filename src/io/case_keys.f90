@@ -26,6 +26,7 @@ module case_keys
     procedure :: get_list        !< any number of reals
     procedure :: get_id          !< the name of a record
     procedure :: get_reference   !< the name of a record of another group
+    procedure :: get_optional_reference
     procedure :: get_references  !< several such names
     procedure :: get_path        !< a file or folder
     procedure, private :: declare, look_up, take_text, demand_count
@@ -237,6 +238,19 @@ contains
     place = self%file%find_id(group, trim(id))
     if (place == 0 .and. len_trim(id) > 0) call blame_reference(self, name, group, trim(id), 'of that id')
   end subroutine get_reference
+
+  !> The same of a record that need not be named; place is 0 then, too.
+  subroutine get_optional_reference(self, name, id, place, group, about)
+    class(keys_t), intent(inout) :: self
+    character(len=*), intent(in) :: name
+    character(len=word_length), intent(inout) :: id
+    integer, intent(out) :: place
+    character(len=*), intent(in) :: group, about
+
+    call self%get(name, id, about)
+    place = self%file%find_id(group, trim(id))
+    if (place == 0 .and. len_trim(id) > 0) call blame_reference(self, name, group, trim(id), 'of that id')
+  end subroutine get_optional_reference
 
   !> As many ids of records of another group as there is room for, always required, and which ones these are.
   subroutine get_references(self, name, ids, places, group)
