@@ -5,9 +5,9 @@ program test_coupling
   use constants, only: pi
   use coupling_scene, only: scene_t, build, add, step, set_gas, gravity, viscosity, density
   use drag_beetstra, only: beetstra
-  use drag_gidaspow, only: gidaspow
   use drag_response, only: shares
   use kinds, only: wp
+  use lone_grain, only: balanced_slip, grain_velocity, settled_velocity, transient_error
   use parcels, only: velocity_row, drag_row
   implicit none
 
@@ -56,56 +56,15 @@ contains
     call expect_close(q, 0.5_wp, 1e-9_wp, 'q at dt/tau = 1e-9')
   end subroutine check_shares
 
-  !> The vertical velocity of the one parcel, on all ranks.
-  function velocity(scene) result(v)
-    type(scene_t), intent(in) :: scene
-    real(wp) :: v
-
-    v = 0.0_wp
-    if (scene%parcels%n > 0) v = scene%parcels%state(velocity_row + 1, 1)
-    v = comm%sum(v)
-  end function velocity
-
-  !> The slip at which drag on a sphere alone carries its weight g rho_p V, by bisection [m/s].
-  function balanced_slip(diameter, solid_density, drag) result(w)
-    real(wp), intent(in) :: diameter, solid_density
-    character(len=*), intent(in) :: drag
-    real(wp) :: w
-
-    real(wp) :: low, high, force, reynolds
-    integer :: i
-
-    low = 0.0_wp
-    high = 100.0_wp
-    do i = 1, 80
-      w = (low + high)/2
-      reynolds = density*w*diameter/viscosity
-      force = 3*pi*viscosity*diameter*w*merge(gidaspow(reynolds, 1.0_wp), beetstra(reynolds, 1.0_wp), drag == 'gidaspow')
-      if (force < -gravity(2)*solid_density*pi/6*diameter**3) then
-        low = w
-      else
-        high = w
-      end if
-    end do
-  end function balanced_slip
-
-  !> A parcel falls in gas that rises at 0.3 m/s; 100 um, 2000 kg/m3.
+  !> In gas that rises at 0.3 m/s; 100 um, 2000 kg/m3.
   subroutine check_terminal_velocity(weight, drag)
     real(wp), intent(in) :: weight
     character(len=*), intent(in) :: drag
 
-    type(scene_t) :: scene
     real(wp) :: v
-    integer :: i
     character(len=60) :: name
 
-    call build(comm, 1.0e4_wp, [8, 16, 8], [.false., .false., .false.], drag, scene)
-    call set_gas(scene, [0.0_wp, 0.3_wp, 0.0_wp], spread(0.0_wp, 1, 3))
-    call add(scene, [3210.0_wp, 7700.0_wp, 5500.0_wp], [100.0_wp, -100.0_wp, 0.0_wp], 1.0e-4_wp, 2000.0_wp, weight)
-    do i = 1, 30
-      call step(scene, 0.1_wp)
-    end do
-    v = velocity(scene)
+    v = settled_velocity(comm, weight, drag)
     write (name, '(3a,i0)') 'terminal velocity, ', drag, ', W = ', nint(weight)
     if (comm%is_root()) call expect_close(v, 0.3_wp - balanced_slip(1.0e-4_wp, 2000.0_wp, drag), 1.0e-6_wp, trim(name))
   end subroutine check_terminal_velocity
@@ -128,7 +87,7 @@ contains
     before = 0.0_wp
     do i = 1, 25
       call step(scene, ratio*tau)
-      v = velocity(scene)
+      v = grain_velocity(scene)
       monotone = monotone .and. v >= before*(1 - 1e-14_wp)
       before = v
     end do
@@ -151,64 +110,22 @@ contains
     do i = 1, 12
       call step(scene, 100*tau)
     end do
-    v = velocity(scene)
+    v = grain_velocity(scene)
     if (comm%is_root()) call expect_close(v, end_velocity, 1.0e-6_wp, 'a fast coarse grain settles at dt/tau = 100')
   end subroutine check_fast_grain
 
-  !> A 100 um grain of 2000 kg/m3 starts at rest in gas that rises at 0.4 m/s: its velocity for 0.35 s against an
-  !> integration in small steps (Runge-Kutta of fourth order), buoyancy included.
+  !> A grain that starts at rest.
   subroutine check_transient(dt, tolerance)
     real(wp), intent(in) :: dt         !< [s]
     real(wp), intent(in) :: tolerance  !< of the final speed [-]
 
-    real(wp), parameter :: d = 1.0e-4_wp, solid_density = 2000.0_wp
-    type(scene_t) :: scene
-    real(wp) :: exact, error, v
-    integer :: i
+    real(wp) :: error
     character(len=80) :: name
 
-    call build(comm, 1.0e4_wp, [8, 16, 8], [.false., .false., .false.], 'gidaspow', scene)
-    call set_gas(scene, [0.0_wp, 0.4_wp, 0.0_wp], density*gravity)
-    call add(scene, [3210.0_wp, 7700.0_wp, 5500.0_wp], spread(0.0_wp, 1, 3), d, solid_density, 1.0_wp)
-    exact = 0.0_wp
-    error = 0.0_wp
-    do i = 1, nint(0.35_wp/dt)
-      call step(scene, dt)
-      exact = runge_kutta(exact, dt, 20, 0.4_wp, d, solid_density)
-      v = velocity(scene)
-      error = max(error, abs(v - exact))
-    end do
+    error = transient_error(comm, dt)
     write (name, '(a,f0.4,a)') 'a grain that starts at rest, dt = ', dt, ' s, error over final speed'
-    if (comm%is_root()) call expect_close(error/abs(exact), 0.0_wp, tolerance, trim(name))
+    if (comm%is_root()) call expect_close(error, 0.0_wp, tolerance, trim(name))
   end subroutine check_transient
-
-  !> dv/dt = g (1 - rho/rho_p) + beta (u - v)/m over dt in n steps, Schiller-Naumann drag.
-  pure function runge_kutta(start, dt, n, u, d, solid_density) result(v)
-    real(wp), intent(in) :: start, dt, u, d, solid_density  !< [m/s], [s], [m/s], [m], [kg/m3]
-    integer, intent(in) :: n
-    real(wp) :: v
-
-    real(wp) :: k(4), h
-    integer :: i
-
-    v = start
-    h = dt/n
-    do i = 1, n
-      k(1) = slope(v, u, d, solid_density)
-      k(2) = slope(v + h/2*k(1), u, d, solid_density)
-      k(3) = slope(v + h/2*k(2), u, d, solid_density)
-      k(4) = slope(v + h*k(3), u, d, solid_density)
-      v = v + h/6*(k(1) + 2*k(2) + 2*k(3) + k(4))
-    end do
-  end function runge_kutta
-
-  pure function slope(v, u, d, solid_density)
-    real(wp), intent(in) :: v, u, d, solid_density
-    real(wp) :: slope
-
-    slope = gravity(2)*(1 - density/solid_density) + 18*viscosity/(solid_density*d**2)*(u - v) &
-      *(1 + 0.15_wp*(density*abs(u - v)*d/viscosity)**0.687_wp)
-  end function slope
 
   !> A parcel that contacts hold in place feels the drag of the full slip.
   subroutine check_held(ratio)
@@ -254,7 +171,7 @@ contains
       scene%parcels%state(velocity_row:velocity_row + 2, :n) = scene%parcels%state(velocity_row:velocity_row + 2, :n) &
         - share*ratio*tau*scene%parcels%coupled(drag_row:drag_row + 2, :n)
     end do
-    slip = slip + velocity(scene)
+    slip = slip + grain_velocity(scene)
     write (name, '(2(a,f0.2))') 'contacts undo a share ', share, ' of the drag, dt/tau = ', ratio
     if (comm%is_root()) call expect_close(slip, 0.0_wp, 1.0e-7_wp, trim(name))
   end subroutine check_yielding
@@ -275,7 +192,7 @@ contains
     worst = 0.0_wp
     do i = 1, 20
       call step(scene, tau*5.0_wp**modulo(i, 3))
-      v = velocity(scene)
+      v = grain_velocity(scene)
       worst = max(worst, abs(v - end_velocity))
     end do
     if (comm%is_root()) call expect(worst < 1.0e-6_wp*abs(end_velocity), 'steps of changing length keep the terminal velocity')

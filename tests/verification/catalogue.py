@@ -11,6 +11,7 @@ missed     given where the tolerance is not met yet: what the error may not exce
 
 import csv
 import math
+import re
 import subprocess
 from pathlib import Path
 
@@ -40,9 +41,12 @@ def programs():
 def run(program):
     """What a built program printed: {name: (computed, expected)} of its checks, {name: points} of its curves.
 
-    A point is (x, computed, expected).
+    A point is (x, computed, expected). It runs on one rank, or as many as a comment '! ranks: 2' of its source asks for.
     """
-    done = subprocess.run(["sh", str(ROOT / "src/build/launch.sh"), "1", str(program)], capture_output=True, text=True, timeout=300)
+    source = (ROOT / f"tests/verification/{Path(program).name}.f90").read_text()
+    asked = re.search(r"^! ranks: (\d+)$", source, re.MULTILINE)
+    launch = ["sh", str(ROOT / "src/build/launch.sh"), asked[1] if asked else "1", str(program)]
+    done = subprocess.run(launch, capture_output=True, text=True, timeout=300)
     words = [line.split() for line in done.stdout.splitlines()]
     failed = [" ".join(w) for w in words if w and w[0] == "FAIL"]
     if done.returncode or failed or ["finished"] not in words:
