@@ -37,8 +37,11 @@ contains
 
     m = materials_of(contact)
     allocate (laws%pair_number(0:m, 0:m), laws%wall_number(0:m, 0:m), source=0)
-    laws%material = [0]
-    if (allocated(contact%powder_material)) laws%material = contact%powder_material
+    if (allocated(contact%powder_material)) then
+      allocate (laws%material, source=contact%powder_material)
+    else
+      allocate (laws%material(1), source=0)
+    end if
     n = 0
     do b = 0, m
       do a = 0, b
@@ -47,7 +50,10 @@ contains
         laws%pair_number(b, a) = laws%pair_number(a, b)
       end do
     end do
-    laws%pair = [(new_law(contact, pairs(a)), a=1, n)]
+    allocate (laws%pair(n))
+    do a = 1, n
+      laws%pair(a) = new_law(contact, pairs(a))
+    end do
     n = 0
     do b = 0, m
       do a = 0, m
@@ -55,7 +61,10 @@ contains
         call find_number(wall_pair_of(contact, a, b), pairs, n, laws%wall_number(a, b))
       end do
     end do
-    laws%wall = [(new_law(contact, pairs(a)), a=1, n)]
+    allocate (laws%wall(n))
+    do a = 1, n
+      laws%wall(a) = new_law(contact, pairs(a))
+    end do
     laws%friction = any(laws%pair%mu > 0.0_wp) .or. any(laws%wall%mu > 0.0_wp)
   end function new_contact_laws
 

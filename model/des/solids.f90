@@ -21,6 +21,7 @@ module solids
   use motion, only: add_lead, take_lead, drift, kick_and_drift
   use neighbours, only: search_t
   use outcome, only: outcome_t
+  use parcel_extremes, only: widen_extremes
   use parcels, only: parcels_t, radius_row, mass_row, curvature_row
   use solids_trouble, only: find_trouble, check_period
   use tiles, only: tiles_t, new_tiles
@@ -158,27 +159,10 @@ contains
   subroutine set_reach(self)
     class(solids_t), intent(inout) :: self
 
-    real(wp) :: extremes(1 + 2*size(self%lightest)), width
-    integer :: i, m, n
+    real(wp) :: width
 
-    n = size(self%lightest)
-    extremes(1) = -huge(1.0_wp)
-    extremes(2:n + 1) = -self%smallest
-    extremes(n + 2:) = -self%lightest
-    associate (p => self%parcels)
-      do i = 1, p%n
-        m = 2
-        if (n > 1) m = 2 + self%laws%material(p%powder(i))
-        extremes(1) = max(extremes(1), p%state(radius_row, i))
-        extremes(m) = max(extremes(m), -p%state(radius_row, i))
-        extremes(m + n) = max(extremes(m + n), -1/p%state(mass_row, i))
-      end do
-    end associate
-    extremes = self%comm%max(extremes)
-    if (extremes(1) < 0.0_wp) return
-    self%largest_radius = max(self%largest_radius, extremes(1))
-    self%smallest = -extremes(2:n + 1)
-    self%lightest = -extremes(n + 2:)
+    call widen_extremes(self%comm, self%laws, self%parcels, self%largest_radius, self%smallest, self%lightest)
+    if (.not. self%largest_radius > 0.0_wp) return
     self%smallest_radius = minval(self%smallest)
     self%skin = given(self%numerics%skin, 2*automatic_skin*sqrt(self%smallest_radius*self%largest_radius))
     self%range = 2*self%largest_radius + self%skin
@@ -343,16 +327,8 @@ contains
     class(solids_t), intent(in) :: self
     type(contact_list_t), intent(inout) :: list
 
-    if (allocated(self%parts)) call gather(self%parts, materials_of(self), self%laws%pair_number, list)
+    if (allocated(self%parts)) call gather(self%parts, self%laws, self%parcels%powder(1:self%parcels%n_all()), list)
   end subroutine gather_slips
-
-  !> Of all columns, ghosts included.
-  pure function materials_of(self) result(material)
-    class(solids_t), intent(in) :: self
-    integer :: material(self%parcels%n_all())
-
-    material = self%laws%material(self%parcels%powder(1:self%parcels%n_all()))
-  end function materials_of
 
   !> New lists for the parcels where they are. All ranks take part.
   subroutine renew_lists(self, outcome)
@@ -398,7 +374,7 @@ contains
     call self%list%clear_history()
     call self%walls%build(self%chamber, self%parcels, 0.5_wp*self%skin)
     if (self%parcels%rotation) call self%history%restore(self%list, self%walls, self%parcels, self%step)
-    if (allocated(self%parts)) call deal(self%list, materials_of(self), self%laws%pair_number, self%parts)
+    if (allocated(self%parts)) call deal(self%list, self%laws, self%parcels%powder(1:self%parcels%n_all()), self%parts)
     self%rebuilds = self%rebuilds + 1
   end subroutine make_lists
 

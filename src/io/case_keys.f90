@@ -26,8 +26,7 @@ module case_keys
     procedure :: get_list        !< any number of reals
     procedure :: get_id          !< the name of a record
     procedure :: get_reference   !< the name of a record of another group
-    procedure :: get_optional_reference
-    procedure :: get_references  !< several such names
+    procedure :: get_references, get_optional_reference
     procedure :: get_path        !< a file or folder
     procedure, private :: declare, look_up, take_text, demand_count
   end type keys_t
@@ -235,8 +234,7 @@ contains
     character(len=*), intent(in) :: when
 
     call self%get(name, id, 'id of a &'//group//' record', required=required, when=when)
-    place = self%file%find_id(group, trim(id))
-    if (place == 0 .and. len_trim(id) > 0) call blame_reference(self, name, group, trim(id), 'of that id')
+    call find_reference(self, name, group, trim(id), place)
   end subroutine get_reference
 
   !> The same of a record that need not be named; place is 0 then, too.
@@ -248,8 +246,7 @@ contains
     character(len=*), intent(in) :: group, about
 
     call self%get(name, id, about)
-    place = self%file%find_id(group, trim(id))
-    if (place == 0 .and. len_trim(id) > 0) call blame_reference(self, name, group, trim(id), 'of that id')
+    call find_reference(self, name, group, trim(id), place)
   end subroutine get_optional_reference
 
   !> As many ids of records of another group as there is room for, always required, and which ones these are.
@@ -274,44 +271,32 @@ contains
     do i = 1, size(ids)
       call self%require(bare .or. words(i)%is_text, name, "must be texts in quotes: '"//words(i)%text//"'")
       ids(i) = words(i)%text
-      places(i) = self%file%find_id(group, words(i)%text)
-      if (places(i) == 0) call blame_reference(self, name, group, words(i)%text, "'"//words(i)%text//"'")
+      call find_reference(self, name, group, words(i)%text, places(i))
     end do
-    call self%echo(name, enumeration(ids))
+    call self%echo(name, shown(ids))
   end subroutine get_references
 
-  !> 'a', 'b', in quotes.
-  pure function enumeration(ids) result(words)
-    character(len=*), intent(in) :: ids(:)
-    character(len=:), allocatable :: words
-
-    integer :: i
-
-    words = shown(trim(ids(1)))
-    do i = 2, size(ids)
-      words = words//', '//shown(trim(ids(i)))
-    end do
-  end function enumeration
-
-  !> There is no such record, but perhaps one of a similar name.
-  subroutine blame_reference(keys, name, group, id, words)
+  !> The place of a record of an id, if one is given: 0 and a mistake, which names one that is similar, if there is none.
+  subroutine find_reference(keys, name, group, id, place)
     type(keys_t), intent(inout) :: keys
     character(len=*), intent(in) :: name, group, id
-    character(len=*), intent(in) :: words  !< for the id
+    integer, intent(out) :: place
 
     type(string_t), allocatable :: ids(:)
     character(len=:), allocatable :: message
     integer :: i, best
 
+    place = keys%file%find_id(group, id)
+    if (place > 0 .or. len(id) == 0) return
     allocate (ids(keys%file%count(group)))
     do i = 1, size(ids)
       ids(i)%text = keys%file%id(keys%file%find(group, i))
     end do
     best = nearest_name(id, ids)
-    message = 'there is no &'//group//' '//words
+    message = 'there is no &'//group//" of id '"//id//"'"
     if (best > 0) message = message//"; did you mean '"//ids(best)%text//"'?"
     call keys%require(.false., name, message)
-  end subroutine blame_reference
+  end subroutine find_reference
 
   !> A file or folder, relative to the file in which the key stands; on return, relative to where the program
   !> was started.

@@ -58,7 +58,9 @@ contains
     integer :: powder(n), i
 
     call cloud(n, [0.0_wp, 0.0_wp, 0.0_wp], 1.25e-3_wp, [8, 6], x, v, diameter)
-    powder = [(1 + modulo(i/2, 3), i=1, n)]
+    do i = 1, n
+      powder(i) = 1 + modulo(i/2, 3)
+    end do
     solids = scene(ranks, [0.01_wp, 0.0075_wp, 0.02_wp], -9.81_wp, contact, [.true., .false., .false.])
     call put(solids, x, v, diameter, density=density(powder), powder=powder)
   end subroutine falling
