@@ -51,7 +51,7 @@ contains
       contact%materials(m) = material_settings_t('', k(m), modulus(m), poisson(m), e(m), mu(m))
     end do
     contact%pairs(1) = pair_settings_t(['c', 'a'], [3, 1], stiffness=3000.0_wp, restitution=0.6_wp, friction=0.1_wp)
-    contact%powder_material = [1, 2, 3]
+    allocate (contact%powder_material, source=[1, 2, 3])
   end function three
 
   !> What the rules say of two of the three.

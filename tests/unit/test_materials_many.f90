@@ -39,12 +39,13 @@ contains
     materials = [material_settings_t(stiffness=200.0_wp, restitution=0.9_wp, friction=friction), &
                  material_settings_t(stiffness=500.0_wp, restitution=0.4_wp, friction=2*friction), &
                  material_settings_t(stiffness=300.0_wp, restitution=0.7_wp, friction=0.0_wp)]
-    contact%materials = materials(order)
+    allocate (contact%materials, source=materials(order))
     do m = 1, 3
       place(order(m)) = m
     end do
-    contact%pairs = [pair_settings_t(materials=[place(3), place(1)], restitution=0.5_wp, friction=friction/2)]
-    contact%powder_material = place
+    allocate (contact%pairs(1))
+    contact%pairs(1) = pair_settings_t(materials=[place(3), place(1)], restitution=0.5_wp, friction=friction/2)
+    allocate (contact%powder_material, source=place)
   end function three
 
   !> A cloud of three powders, of different densities, that falls into a corner of its chamber.
