@@ -4,6 +4,7 @@
 !> by its id otherwise. A pair whose partners are mine has one record; a pair with a ghost has one on either side.
 !> Walls are partners with the id -face, as the chamber numbers them.
 module contact_history
+  use close_pairs, only: close_pairs_t
   use contact_list, only: contact_list_t
   use kinds, only: wp, i8
   use parcels, only: parcels_t
@@ -36,9 +37,9 @@ contains
   end subroutine clear
 
   !> Record all contacts that touched in the last step.
-  subroutine collect(self, list, walls, parcels, step)
+  subroutine collect(self, pairs, walls, parcels, step)
     class(history_t), intent(inout) :: self
-    type(contact_list_t), intent(in) :: list
+    type(close_pairs_t), intent(in) :: pairs
     type(wall_list_t), intent(in) :: walls
     type(parcels_t), intent(in) :: parcels
     real(wp), intent(in) :: step  !< number of the last step
@@ -46,17 +47,16 @@ contains
     integer :: i, j, k, w
 
     call self%clear()
-    if (size(self%own) < list%entries + walls%entries) call resize(self, list%entries + walls%entries)
-    do i = 1, list%rows
-      do k = list%first(i), list%first(i + 1) - 1
-        if (list%slip(4, k) < step - 0.5_wp) cycle
-        j = list%partner(k)
-        if (j <= parcels%n) then
-          call self%append(i, j, 0_i8, list%slip(1:3, k))
-        else
-          call self%append(i, 0, parcels%id(j), list%slip(1:3, k))
-        end if
-      end do
+    if (size(self%own) < pairs%n + walls%entries) call resize(self, pairs%n + walls%entries)
+    do k = 1, pairs%n
+      if (pairs%slip(4, k) < step - 0.5_wp) cycle
+      i = pairs%i(k)
+      j = pairs%j(k)
+      if (j <= parcels%n) then
+        call self%append(i, j, 0_i8, pairs%slip(1:3, k))
+      else
+        call self%append(i, 0, parcels%id(j), pairs%slip(1:3, k))
+      end if
     end do
     do w = 1, walls%entries
       if (walls%slip(4, w) < step - 0.5_wp) cycle
@@ -91,10 +91,11 @@ contains
     end do
   end subroutine follow
 
-  !> Give the slips back to the entries of the new lists.
-  subroutine restore(self, list, walls, parcels, step)
+  !> Give the slips back to the entries of the new lists. All listed pairs are close.
+  subroutine restore(self, list, pairs, walls, parcels, step)
     class(history_t), intent(in) :: self
-    type(contact_list_t), intent(inout) :: list
+    type(contact_list_t), intent(in) :: list
+    type(close_pairs_t), intent(inout) :: pairs
     type(wall_list_t), intent(inout) :: walls
     type(parcels_t), intent(in) :: parcels
     real(wp), intent(in) :: step  !< number of the last step
@@ -112,14 +113,14 @@ contains
       if (j > 0) then
         k = entry_of(list, min(i, j), max(i, j))
         if (k > 0) then
-          list%slip(:, k) = [merge(1.0_wp, -1.0_wp, i < j)*self%slip(:, m), step]
+          pairs%slip(:, k) = [merge(1.0_wp, -1.0_wp, i < j)*self%slip(:, m), step]
         else
           ! A periodic face has come between the two: each now touches the image of the other.
-          call restore_image(list, parcels, i, parcels%id(j), [self%slip(:, m), step])
-          call restore_image(list, parcels, j, parcels%id(i), [-self%slip(:, m), step])
+          call restore_image(list, pairs, parcels, i, parcels%id(j), [self%slip(:, m), step])
+          call restore_image(list, pairs, parcels, j, parcels%id(i), [-self%slip(:, m), step])
         end if
       else if (self%other_id(m) > 0) then
-        call restore_image(list, parcels, i, self%other_id(m), [self%slip(:, m), step])
+        call restore_image(list, pairs, parcels, i, self%other_id(m), [self%slip(:, m), step])
       else
         w = first_wall(i)
         do while (w > 0)
@@ -143,8 +144,9 @@ contains
   end function entry_of
 
   !> Give a slip to the entry of row i whose partner has the given id.
-  pure subroutine restore_image(list, parcels, i, id, slip)
-    type(contact_list_t), intent(inout) :: list
+  pure subroutine restore_image(list, pairs, parcels, i, id, slip)
+    type(contact_list_t), intent(in) :: list
+    type(close_pairs_t), intent(inout) :: pairs
     type(parcels_t), intent(in) :: parcels
     integer, intent(in) :: i
     integer(i8), intent(in) :: id
@@ -153,7 +155,7 @@ contains
     integer :: k
 
     do k = list%first(i), list%first(i + 1) - 1
-      if (parcels%id(list%partner(k)) == id) list%slip(:, k) = slip
+      if (parcels%id(list%partner(k)) == id) pairs%slip(:, k) = slip
     end do
   end subroutine restore_image
 

@@ -21,6 +21,7 @@ module contact_laws
     procedure :: materials
     procedure :: set_step
     procedure :: contact_time
+    procedure :: of_pair
     procedure :: of_wall
   end type contact_laws_t
 
@@ -113,6 +114,15 @@ contains
       call self%wall(i)%set_step(dt, step)
     end do
   end subroutine set_step
+
+  !> Which of `pair` parcels of two powders have.
+  pure function of_pair(self, powder, other) result(number)
+    class(contact_laws_t), intent(in) :: self
+    integer, intent(in) :: powder, other
+    integer :: number
+
+    number = self%pair_number(self%material(powder), self%material(other))
+  end function of_pair
 
   !> Which of `wall` a parcel of a powder and a wall have.
   pure function of_wall(self, powder, wall_material) result(number)

@@ -3,31 +3,21 @@
 !> Row i holds the partners of parcel i: own parcels with a higher column, then ghosts. They are entries first(i)
 !> to first(i+1)-1. Loops over all pairs read the row from `row`: an inner loop over a few partners ends at
 !> another place each time, which no processor foresees (14 % of the contact loop).
-!>
-!> With friction every entry has its slip, oriented from the row's parcel to the partner, and the number of the
-!> last step in which the pair touched: a slip older than one step is that of an earlier contact and counts as
-!> none.
 module contact_list
-  use kinds, only: wp
   implicit none
   private
-  public :: contact_list_t, never
-
-  real(wp), parameter :: never = -1.0_wp  !< the last touch of a pair that has not touched yet
+  public :: contact_list_t
 
   type :: contact_list_t
-    logical :: with_history = .false.
     integer :: rows = 0                   !< own parcels, or parcels near walls
     integer :: entries = 0                !< entries in use
     integer, allocatable :: first(:)      !< (rows+1 at least)
     integer, allocatable :: row(:)        !< (entries at least) the row of each entry
     integer, allocatable :: partner(:)    !< (entries at least) column of the partner
-    real(wp), allocatable :: slip(:,:)    !< (4, entries at least) 1:3 tangential slip [m], 4 step of last touch
   contains
     procedure :: start
     procedure :: reserve
     procedure :: note_rows
-    procedure :: clear_history
   end type contact_list_t
 
 contains
@@ -74,18 +64,5 @@ contains
       self%row(self%first(i):self%first(i + 1) - 1) = i
     end do
   end subroutine note_rows
-
-  !> Nothing has touched yet.
-  subroutine clear_history(self)
-    class(contact_list_t), intent(inout) :: self
-
-    if (.not. self%with_history) return
-    if (allocated(self%slip)) then
-      if (size(self%slip, 2) < self%entries) deallocate (self%slip)
-    end if
-    if (.not. allocated(self%slip)) allocate (self%slip(4, self%entries + self%entries/8 + 8))
-    self%slip(1:3, 1:self%entries) = 0.0_wp
-    self%slip(4, 1:self%entries) = never
-  end subroutine clear_history
 
 end module contact_list

@@ -1,91 +1,94 @@
-!> A list of pairs dealt by their laws, so that a sweep over one part has one law and looks nothing up.
+!> Listed pairs dealt by their laws, so that a sweep over one part has one law and looks nothing up.
 !>
-!> The parts are what sweeps read and where slips are while there are several laws. The list they were dealt from stays as it
-!> was but for its slips, which `gather` brings up to date.
+!> While there are several laws each has a list and close pairs of its own, which keep the slips. Those of all pairs are only
+!> used when lists are made.
 module contact_parts
+  use close_pairs, only: close_pairs_t
+  use contact_lanes, only: lanes
   use contact_laws, only: contact_laws_t
   use contact_list, only: contact_list_t
   use kinds, only: wp
   implicit none
   private
-  public :: deal, gather
+  public :: part_t, deal, gathered
+
+  !> The pairs of one law.
+  type :: part_t
+    type(contact_list_t) :: list    !< without `first`
+    type(close_pairs_t) :: pairs
+  end type part_t
 
 contains
 
-  !> Deal the entries of a list, in their order, by the law of each pair of powders.
-  pure subroutine deal(list, laws, powder, parts)
+  !> Deal a list, of which all pairs are close, by the law of each pair of powders; the order stays.
+  subroutine deal(list, pairs, laws, powder, parts)
     type(contact_list_t), intent(in) :: list
+    type(close_pairs_t), intent(in) :: pairs
     type(contact_laws_t), intent(in) :: laws
-    integer, intent(in) :: powder(:)                     !< of each column, ghosts included
-    type(contact_list_t), intent(inout) :: parts(:)      !< one for each law
+    integer, intent(in) :: powder(:)       !< of each column, ghosts included
+    type(part_t), intent(inout) :: parts(:)  !< one for each law
 
-    integer :: number(list%entries), next(size(parts)), k, c
+    integer :: number(list%entries), c, k, n
 
-    number = numbers(list, laws, powder)
-    do c = 1, size(parts)
-      parts(c)%with_history = list%with_history
-      parts(c)%rows = list%rows
-      call make_room(parts(c), count(number == c))
-    end do
-    next = 0
     do k = 1, list%entries
-      c = number(k)
-      next(c) = next(c) + 1
-      parts(c)%row(next(c)) = list%row(k)
-      parts(c)%partner(next(c)) = list%partner(k)
-      if (list%with_history) parts(c)%slip(:, next(c)) = list%slip(:, k)
+      number(k) = laws%of_pair(powder(list%row(k)), powder(list%partner(k)))
+    end do
+    do c = 1, size(parts)
+      associate (part => parts(c)%list)
+        call make_room(part, count(number == c))
+        n = 0
+        do k = 1, list%entries
+          if (number(k) /= c) cycle
+          n = n + 1
+          part%row(n) = list%row(k)
+          part%partner(n) = list%partner(k)
+        end do
+      end associate
+      parts(c)%pairs%with_history = pairs%with_history
+      call parts(c)%pairs%take_all(parts(c)%list)
+      if (.not. pairs%with_history) cycle
+      n = 0
+      do k = 1, list%entries
+        if (number(k) /= c) cycle
+        n = n + 1
+        parts(c)%pairs%slip(:, n) = pairs%slip(:, k)
+      end do
     end do
   end subroutine deal
 
-  !> Slips of the parts back to the entries they were dealt from.
-  pure subroutine gather(parts, laws, powder, list)
-    type(contact_list_t), intent(in) :: parts(:)
-    type(contact_laws_t), intent(in) :: laws
-    integer, intent(in) :: powder(:)  !< as they were dealt
+  !> The close pairs of all parts, one part after the other; of their entries in the list nothing is known.
+  function gathered(parts) result(pairs)
+    type(part_t), intent(in) :: parts(:)
+    type(close_pairs_t) :: pairs
+
+    integer :: c, n
+
+    n = sum(parts%pairs%n)
+    pairs%with_history = any(parts%pairs%with_history)
+    allocate (pairs%entry(n), pairs%i(n), pairs%j(n))
+    pairs%entry = 0
+    if (pairs%with_history) allocate (pairs%slip(4, n + lanes))
+    do c = 1, size(parts)
+      associate (part => parts(c)%pairs, before => pairs%n)
+        pairs%i(before + 1:before + part%n) = part%i(1:part%n)
+        pairs%j(before + 1:before + part%n) = part%j(1:part%n)
+        if (pairs%with_history) pairs%slip(:, before + 1:before + part%n) = part%slip(:, 1:part%n)
+        pairs%n = before + part%n
+      end associate
+    end do
+    if (pairs%with_history) pairs%slip(:, n + 1:) = 0.0_wp
+  end function gathered
+
+  pure subroutine make_room(list, entries)
     type(contact_list_t), intent(inout) :: list
-
-    integer :: number(list%entries), next(size(parts)), k, c
-
-    if (.not. list%with_history) return
-    number = numbers(list, laws, powder)
-    next = 0
-    do k = 1, list%entries
-      c = number(k)
-      next(c) = next(c) + 1
-      list%slip(:, k) = parts(c)%slip(:, next(c))
-    end do
-  end subroutine gather
-
-  !> Of the law of each entry.
-  pure function numbers(list, laws, powder)
-    type(contact_list_t), intent(in) :: list
-    type(contact_laws_t), intent(in) :: laws
-    integer, intent(in) :: powder(:)
-    integer :: numbers(list%entries)
-
-    integer :: material(size(powder)), k
-
-    material = laws%material(powder)
-    do k = 1, list%entries
-      numbers(k) = laws%pair_number(material(list%row(k)), material(list%partner(k)))
-    end do
-  end function numbers
-
-  pure subroutine make_room(part, entries)
-    type(contact_list_t), intent(inout) :: part
     integer, intent(in) :: entries
 
-    integer :: room
-
-    part%entries = entries
-    if (allocated(part%row)) then
-      if (size(part%row) >= entries) return
-      deallocate (part%row, part%partner)
-      if (part%with_history) deallocate (part%slip)
+    list%entries = entries
+    if (allocated(list%row)) then
+      if (size(list%row) >= entries) return
+      deallocate (list%row, list%partner)
     end if
-    room = entries + entries/8 + 8
-    allocate (part%row(room), part%partner(room))
-    if (part%with_history) allocate (part%slip(4, room))
+    allocate (list%row(entries + entries/8 + 8), list%partner(entries + entries/8 + 8))
   end subroutine make_room
 
 end module contact_parts

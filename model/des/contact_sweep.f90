@@ -1,70 +1,89 @@
-!> One pass over all listed pairs: select those that touch, gather a block of them, let the law compute their
-!> forces eight at a time, and hand the forces out.
+!> One pass over all close pairs: gather a block of them, let the law compute their forces eight at a time, and hand the
+!> forces out.
 !>
-!> Half of the listed pairs do not touch, in no order a processor could foresee; so the selection has no branch,
-!> and the law sees only pairs that touch.
+!> Where close pairs are tight the law sees them all, and what it says of pairs that do not touch counts nothing. Else half of
+!> them do not touch, in no order a processor could foresee; so those that do are selected without a branch.
 module contact_sweep
+  use close_pairs, only: close_pairs_t, pair_ways, never
   use contact_lanes, only: lanes
   use contact_law, only: contact_law_t, friction_forces, frictionless_forces
-  use contact_list, only: contact_list_t
   use kinds, only: wp
   implicit none
   private
   public :: sweep_friction, sweep_frictionless
 
-  integer, parameter :: block_pairs = 256   !< listed pairs of a block, which stays in the L1 cache
+  integer, parameter :: block_pairs = 128   !< pairs of a block, which stays in the L1 cache; a multiple of lanes
   real(wp), parameter :: difference(4) = [-1, -1, -1, 1]       !< x, y, z, r or u, v, w, 1/m of a pair
   real(wp), parameter :: reaction(8) = [-1, -1, -1, 1, 1, 1, 1, 1]       !< force and torque on the partner
 
-  !> Touching pairs on their way through the law: both parcels, and the entry of the list.
-  type :: selection_t
-    integer :: entry = 1                    !< where the selection goes on
-    integer :: n = 0                        !< pairs selected
-    integer :: place(block_pairs + 1)       !< of each in the block
-    integer :: i(block_pairs), j(block_pairs), k(block_pairs)
-    real(wp) :: way(4, block_pairs)         !< of all pairs of the block: x_i - x_j, r_i + r_j [m]
-  end type selection_t
+  !> A block of pairs on its way through the law.
+  type :: block_t
+    integer :: n                         !< pairs
+    integer :: i(block_pairs), j(block_pairs)
+    integer :: k(block_pairs)            !< place among the close pairs
+    real(wp) :: pair(8, block_pairs)     !< see contact_law
+    real(wp) :: touch(block_pairs)       !< 1 where the two touch, else 0
+  end type block_t
 
 contains
 
   !> Add the forces and torques of all pairs that touch, with friction.
-  subroutine sweep_friction(law, list, state, force)
+  subroutine sweep_friction(law, pairs, state, force)
     type(contact_law_t), intent(in) :: law
-    type(contact_list_t), intent(inout) :: list
+    type(close_pairs_t), intent(inout) :: pairs
     real(wp), intent(in) :: state(16, *)     !< see parcels
     real(wp), intent(inout) :: force(8, *)   !< 1:3 force, 5:7 torque over radius [N]
 
-    type(selection_t) :: chosen
-    real(wp) :: pair(8, block_pairs), spin(4, block_pairs), slip(4, block_pairs), forces(8, block_pairs)
+    type(block_t) :: block
+    real(wp) :: spin(4, block_pairs), slip(4, block_pairs), forces(8, block_pairs)
+    integer :: next
 
-    chosen%entry = 1
-    do while (chosen%entry <= list%entries)
-      call select_pairs(16, state, list, chosen)
-      call gather_pairs(16, state, chosen, pair)
-      call gather_history(state, list%slip, chosen, spin, slip)
-      call friction_forces(law, padded(chosen%n), pair, spin, slip, forces)
-      call scatter_history(slip, chosen, list%slip)
-      call scatter_friction(forces, chosen, force)
+    next = 1
+    do while (next <= pairs%n)
+      if (pairs%tight) then
+        call take_block(pairs, next, block)
+        call gather_pairs(16, state, block)
+        call gather_spins(state, block, spin)
+        associate (slips => pairs%slip(:, next:next + padded(block%n) - 1))
+          call friction_forces(law, padded(block%n), block%pair, spin, slips, forces)
+          call unmark(block, slips)
+        end associate
+        next = next + block%n
+      else
+        call select_pairs(16, state, pairs, next, block)
+        call gather_pairs(16, state, block)
+        call gather_spins(state, block, spin)
+        call gather_slips(pairs%slip, block, slip)
+        call friction_forces(law, padded(block%n), block%pair, spin, slip, forces)
+        call scatter_slips(slip, block, pairs%slip)
+      end if
+      call scatter_friction(forces, block, force)
     end do
   end subroutine sweep_friction
 
   !> Add the forces of all pairs that touch, without friction.
-  subroutine sweep_frictionless(law, list, state, force)
+  subroutine sweep_frictionless(law, pairs, state, force)
     type(contact_law_t), intent(in) :: law
-    type(contact_list_t), intent(in) :: list
+    type(close_pairs_t), intent(in) :: pairs
     real(wp), intent(in) :: state(8, *)      !< see parcels
     real(wp), intent(inout) :: force(4, *)   !< 1:3 force [N]
 
-    type(selection_t) :: chosen
-    real(wp) :: pair(8, block_pairs), curvature(block_pairs), forces(4, block_pairs)
+    type(block_t) :: block
+    real(wp) :: curvature(block_pairs), forces(4, block_pairs)
+    integer :: next
 
-    chosen%entry = 1
-    do while (chosen%entry <= list%entries)
-      call select_pairs(8, state, list, chosen)
-      call gather_pairs(8, state, chosen, pair)
-      if (law%hertzian) call gather_curvature(state, chosen, curvature)
-      call frictionless_forces(law, padded(chosen%n), pair, curvature, forces)
-      call scatter_frictionless(forces, chosen, force)
+    next = 1
+    do while (next <= pairs%n)
+      if (pairs%tight) then
+        call take_block(pairs, next, block)
+        next = next + block%n
+      else
+        call select_pairs(8, state, pairs, next, block)
+      end if
+      call gather_pairs(8, state, block)
+      if (law%hertzian) call gather_curvature(state, block, curvature)
+      call frictionless_forces(law, padded(block%n), block%pair, curvature, forces)
+      call scatter_frictionless(forces, block, force)
     end do
   end subroutine sweep_frictionless
 
@@ -76,162 +95,194 @@ contains
     padded = lanes*((n + lanes - 1)/lanes)
   end function padded
 
-  !> Look at the next listed pairs, a block of them, and choose those that touch. In three passes, of which the first
-  !> two are vectors: a row of memory at a time, then a row of pairs.
-  pure subroutine select_pairs(rows, state, list, chosen)
+  !> The next pairs as they come.
+  pure subroutine take_block(pairs, next, block)
+    type(close_pairs_t), intent(in) :: pairs
+    integer, intent(in) :: next
+    type(block_t), intent(inout) :: block
+
+    integer :: n
+
+    n = min(pairs%n - next + 1, block_pairs)
+    block%n = n
+    block%i(1:n) = pairs%i(next:next + n - 1)
+    block%j(1:n) = pairs%j(next:next + n - 1)
+  end subroutine take_block
+
+  !> Of the next pairs, a block of them, those that touch. In three passes, of which the first two are vectors: a row of
+  !> memory at a time, then a row of pairs.
+  pure subroutine select_pairs(rows, state, pairs, next, block)
     integer, intent(in) :: rows              !< of state
     real(wp), intent(in) :: state(rows, *)
-    type(contact_list_t), intent(in) :: list
-    type(selection_t), intent(inout) :: chosen
+    type(close_pairs_t), intent(in) :: pairs
+    integer, intent(inout) :: next           !< pair to go on with
+    type(block_t), intent(inout) :: block
 
-    integer :: i, j, l, m, n, before, count
-    real(wp) :: gap(block_pairs)
+    integer :: m, n, count
+    real(wp) :: way(4, block_pairs), gap(block_pairs)
 
-    before = chosen%entry - 1
-    count = min(list%entries - before, block_pairs)
-    do m = 1, count
-      i = list%row(before + m)
-      j = list%partner(before + m)
-      !$omp simd simdlen(4)
-      do l = 1, 4
-        chosen%way(l, m) = state(l, i) + difference(l)*state(l, j)
-      end do
-    end do
+    count = min(pairs%n - next + 1, block_pairs)
+    call pair_ways(rows, state, count, pairs%i(next:), pairs%j(next:), way)
     !$omp simd
     do m = 1, count
-      gap(m) = chosen%way(1, m)**2 + chosen%way(2, m)**2 + chosen%way(3, m)**2 - chosen%way(4, m)**2
+      gap(m) = way(1, m)**2 + way(2, m)**2 + way(3, m)**2 - way(4, m)**2
     end do
     n = 0
     do m = 1, count
-      chosen%place(n + 1) = m
+      block%k(n + 1) = next + m - 1
       n = n + merge(1, 0, gap(m) < 0)
     end do
     do m = 1, n
-      chosen%k(m) = before + chosen%place(m)
-      chosen%i(m) = list%row(chosen%k(m))
-      chosen%j(m) = list%partner(chosen%k(m))
+      block%i(m) = pairs%i(block%k(m))
+      block%j(m) = pairs%j(block%k(m))
     end do
-    chosen%n = n
-    chosen%entry = before + count + 1
+    block%n = n
+    next = next + count
   end subroutine select_pairs
 
   !> Differences (position, velocity) and sums (radius, inverse mass) of the pairs. The last lanes, where the
   !> law is called with more pairs than there are, repeat the last pair.
-  pure subroutine gather_pairs(rows, state, chosen, pair)
+  pure subroutine gather_pairs(rows, state, block)
     integer, intent(in) :: rows
     real(wp), intent(in) :: state(rows, *)
-    type(selection_t), intent(in) :: chosen
-    real(wp), intent(inout) :: pair(8, block_pairs)
+    type(block_t), intent(inout) :: block
 
     integer :: m, l, i, j
 
-    do m = 1, chosen%n
-      i = chosen%i(m)
-      j = chosen%j(m)
+    do m = 1, block%n
+      i = block%i(m)
+      j = block%j(m)
       !$omp simd simdlen(4)
       do l = 1, 4
-        pair(l, m) = chosen%way(l, chosen%place(m))
-        pair(l + 4, m) = state(l + 4, i) + difference(l)*state(l + 4, j)
+        block%pair(l, m) = state(l, i) + difference(l)*state(l, j)
+        block%pair(l + 4, m) = state(l + 4, i) + difference(l)*state(l + 4, j)
       end do
     end do
-    do m = chosen%n + 1, padded(chosen%n)
-      pair(:, m) = pair(:, chosen%n)
+    do m = block%n + 1, padded(block%n)
+      block%pair(:, m) = block%pair(:, block%n)
     end do
+    associate (pair => block%pair)
+      !$omp simd
+      do m = 1, block%n
+        block%touch(m) = merge(1.0_wp, 0.0_wp, pair(1, m)**2 + pair(2, m)**2 + pair(3, m)**2 < pair(4, m)**2)
+      end do
+    end associate
   end subroutine gather_pairs
 
-  pure subroutine gather_history(state, history, chosen, spin, slip)
+  pure subroutine gather_spins(state, block, spin)
     real(wp), intent(in) :: state(16, *)
-    real(wp), intent(in) :: history(4, *)
-    type(selection_t), intent(in) :: chosen
-    real(wp), intent(inout) :: spin(4, block_pairs), slip(4, block_pairs)
+    type(block_t), intent(in) :: block
+    real(wp), intent(inout) :: spin(4, block_pairs)
 
-    integer :: m, l, i, j, k
+    integer :: m, l
 
-    do m = 1, chosen%n
-      i = chosen%i(m)
-      j = chosen%j(m)
-      k = chosen%k(m)
+    do m = 1, block%n
       !$omp simd simdlen(4)
       do l = 1, 4
-        spin(l, m) = state(8 + l, i) + state(8 + l, j)
-        slip(l, m) = history(l, k)
+        spin(l, m) = state(8 + l, block%i(m)) + state(8 + l, block%j(m))
       end do
     end do
-    do m = chosen%n + 1, padded(chosen%n)
-      spin(:, m) = spin(:, chosen%n)
+    do m = block%n + 1, padded(block%n)
+      spin(:, m) = spin(:, block%n)
+    end do
+  end subroutine gather_spins
+
+  pure subroutine gather_slips(slips, block, slip)
+    real(wp), intent(in) :: slips(4, *)
+    type(block_t), intent(in) :: block
+    real(wp), intent(inout) :: slip(4, block_pairs)
+
+    integer :: m
+
+    do m = 1, block%n
+      slip(:, m) = slips(:, block%k(m))
+    end do
+    do m = block%n + 1, padded(block%n)
       slip(:, m) = 0.0_wp
     end do
-  end subroutine gather_history
+  end subroutine gather_slips
+
+  !> Pairs that do not touch have no slip.
+  pure subroutine unmark(block, slip)
+    type(block_t), intent(in) :: block
+    real(wp), intent(inout) :: slip(4, *)
+
+    integer :: m
+
+    do m = 1, block%n
+      slip(4, m) = merge(slip(4, m), never, block%touch(m) > 0)
+    end do
+  end subroutine unmark
 
   !> 1/r_i + 1/r_j where the state has no row for it.
-  pure subroutine gather_curvature(state, chosen, curvature)
+  pure subroutine gather_curvature(state, block, curvature)
     real(wp), intent(in) :: state(8, *)
-    type(selection_t), intent(in) :: chosen
+    type(block_t), intent(in) :: block
     real(wp), intent(inout) :: curvature(block_pairs)
 
     integer :: m
 
-    do m = 1, chosen%n
-      curvature(m) = 1/state(4, chosen%i(m)) + 1/state(4, chosen%j(m))
+    do m = 1, block%n
+      curvature(m) = 1/state(4, block%i(m)) + 1/state(4, block%j(m))
     end do
-    curvature(chosen%n + 1:padded(chosen%n)) = curvature(max(chosen%n, 1))
+    curvature(block%n + 1:padded(block%n)) = curvature(max(block%n, 1))
   end subroutine gather_curvature
 
-  pure subroutine scatter_history(slip, chosen, history)
+  pure subroutine scatter_slips(slip, block, slips)
     real(wp), intent(in) :: slip(4, block_pairs)
-    type(selection_t), intent(in) :: chosen
-    real(wp), intent(inout) :: history(4, *)
+    type(block_t), intent(in) :: block
+    real(wp), intent(inout) :: slips(4, *)
 
     integer :: m, l, k
 
-    do m = 1, chosen%n
-      k = chosen%k(m)
+    do m = 1, block%n
+      k = block%k(m)
       !$omp simd simdlen(4)
       do l = 1, 4
-        history(l, k) = slip(l, m)
+        slips(l, k) = slip(l, m)
       end do
     end do
-  end subroutine scatter_history
+  end subroutine scatter_slips
 
   !> Force and torque on both parcels of every pair.
-  pure subroutine scatter_friction(forces, chosen, force)
+  pure subroutine scatter_friction(forces, block, force)
     real(wp), intent(in) :: forces(8, block_pairs)
-    type(selection_t), intent(in) :: chosen
+    type(block_t), intent(in) :: block
     real(wp), intent(inout) :: force(8, *)
 
     integer :: m, l, i, j
 
-    do m = 1, chosen%n
-      i = chosen%i(m)
-      j = chosen%j(m)
+    do m = 1, block%n
+      i = block%i(m)
+      j = block%j(m)
       !$omp simd simdlen(8)
       do l = 1, 8
-        force(l, i) = force(l, i) + forces(l, m)
+        force(l, i) = force(l, i) + block%touch(m)*forces(l, m)
       end do
       !$omp simd simdlen(8)
       do l = 1, 8
-        force(l, j) = force(l, j) + reaction(l)*forces(l, m)
+        force(l, j) = force(l, j) + block%touch(m)*reaction(l)*forces(l, m)
       end do
     end do
   end subroutine scatter_friction
 
-  pure subroutine scatter_frictionless(forces, chosen, force)
+  pure subroutine scatter_frictionless(forces, block, force)
     real(wp), intent(in) :: forces(4, block_pairs)
-    type(selection_t), intent(in) :: chosen
+    type(block_t), intent(in) :: block
     real(wp), intent(inout) :: force(4, *)
 
     integer :: m, l, i, j
 
-    do m = 1, chosen%n
-      i = chosen%i(m)
-      j = chosen%j(m)
+    do m = 1, block%n
+      i = block%i(m)
+      j = block%j(m)
       !$omp simd simdlen(4)
       do l = 1, 4
-        force(l, i) = force(l, i) + forces(l, m)
+        force(l, i) = force(l, i) + block%touch(m)*forces(l, m)
       end do
       !$omp simd simdlen(4)
       do l = 1, 4
-        force(l, j) = force(l, j) - forces(l, m)
+        force(l, j) = force(l, j) - block%touch(m)*forces(l, m)
       end do
     end do
   end subroutine scatter_frictionless

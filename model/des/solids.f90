@@ -5,12 +5,13 @@
 !> moved half the skin since the lists were made, new lists. Making them moves parcels to the ranks that own
 !> their places, sorts them in space and gives the contacts their slips back.
 module solids
+  use close_pairs, only: close_pairs_t
   use communicator, only: communicator_t
   use contact_history, only: history_t
   use contact_law, only: contact_law_t
   use contact_laws, only: contact_laws_t, new_contact_laws
   use contact_list, only: contact_list_t
-  use contact_parts, only: deal, gather
+  use contact_parts, only: part_t, deal, gathered
   use contact_settings, only: contact_settings_t
   use contact_sweep, only: sweep_friction, sweep_frictionless
   use constants, only: pi, is_set
@@ -46,7 +47,8 @@ module solids
     type(tiles_t) :: tiles               !< exist once parcels do
     integer :: tilings = 0               !< how often tiles were made or changed hands
     type(contact_list_t) :: list
-    type(contact_list_t), allocatable :: parts(:)  !< with several laws: `list` dealt by them; slips are here
+    type(close_pairs_t) :: pairs         !< pairs of the list
+    type(part_t), allocatable :: parts(:)  !< with several laws: list and pairs dealt by them, which take the place of `pairs`
     type(wall_list_t) :: walls
     type(ghosts_t) :: ghosts
     type(history_t) :: history           !< slips between two lists
@@ -59,6 +61,7 @@ module solids
     real(wp) :: time = 0.0_wp            !< [s]
     real(wp) :: step = 0.0_wp            !< steps done; a real, as the slips keep it
     real(wp) :: travelled = 0.0_wp       !< at most, by any parcel since the lists were made [m]
+    real(wp) :: speed = 0.0_wp           !< of the fastest parcel [m/s]
     integer(i8) :: rebuilds = 0          !< lists made
     integer(i8) :: weighed = 0           !< of these, when the balance was looked at last
     integer(i8) :: added = 0, left = 0   !< parcels, on all ranks, since the start
@@ -74,7 +77,6 @@ module solids
     procedure :: set_reach
     procedure :: make_lists
     procedure :: renew_lists
-    procedure :: gather_slips
   end type solids_t
 
 contains
@@ -97,7 +99,7 @@ contains
     self%laws = new_contact_laws(contact, chamber%materials())
     if (size(self%laws%pair) > 1) allocate (self%parts(size(self%laws%pair)))
     allocate (self%lightest(0:self%laws%materials()), self%smallest(0:self%laws%materials()), source=huge(1.0_wp))
-    self%list%with_history = self%laws%friction
+    self%pairs%with_history = self%laws%friction
     self%walls%with_history = self%laws%friction
     call self%parcels%create(self%laws%friction, with_gas)
     call self%history%clear()
@@ -164,7 +166,7 @@ contains
     call widen_extremes(self%comm, self%laws, self%parcels, self%largest_radius, self%smallest, self%lightest)
     if (.not. self%largest_radius > 0.0_wp) return
     self%smallest_radius = minval(self%smallest)
-    self%skin = given(self%numerics%skin, 2*automatic_skin*sqrt(self%smallest_radius*self%largest_radius))
+    self%skin = given(self%numerics%skin, automatic_skin*typical_width(self))
     self%range = 2*self%largest_radius + self%skin
     call self%search%set_levels(self%smallest_radius, self%largest_radius)
     width = max(self%tile_width, self%range)
@@ -175,6 +177,14 @@ contains
                            [width, width, width])
     self%tilings = self%tilings + 1
   end subroutine set_reach
+
+  !> Of a parcel, between smallest and largest [m].
+  pure function typical_width(self) result(width)
+    type(solids_t), intent(in) :: self
+    real(wp) :: width
+
+    width = 2*sqrt(self%smallest_radius*self%largest_radius)
+  end function typical_width
 
   !> The longest solids step, from the shortest collision of any two parcels or of one and a wall [s]. That of Hertz's
   !> law goes with the fifth root of the speed, for which `impact_velocity` stands unless a higher one is given.
@@ -242,30 +252,35 @@ contains
     class(solids_t), intent(inout) :: self
     real(wp), intent(in) :: dt  !< [s]
 
+    real(wp) :: way, width
     integer :: law
 
     self%step = self%step + 1
     call self%laws%set_step(dt, self%step)
+    way = dt*self%speed
+    width = typical_width(self)
     if (.not. allocated(self%parts)) then
-      call sweep(self%laws%pair(1), self%list, self%parcels)
+      call self%pairs%keep_close(self%list, self%parcels%state, way, self%skin, width)
+      call sweep(self%laws%pair(1), self%pairs, self%parcels)
     else
       do law = 1, size(self%parts)
-        call sweep(self%laws%pair(law), self%parts(law), self%parcels)
+        call self%parts(law)%pairs%keep_close(self%parts(law)%list, self%parcels%state, way, self%skin, width)
+        call sweep(self%laws%pair(law), self%parts(law)%pairs, self%parcels)
       end do
     end if
     call self%walls%sweep(self%chamber, self%laws, self%parcels)
   end subroutine find_forces
 
-  !> Of the pairs of a list.
-  subroutine sweep(law, list, parcels)
+  !> Of the pairs of one law.
+  subroutine sweep(law, pairs, parcels)
     type(contact_law_t), intent(in) :: law
-    type(contact_list_t), intent(inout) :: list
+    type(close_pairs_t), intent(inout) :: pairs
     type(parcels_t), intent(inout) :: parcels
 
     if (parcels%rotation) then
-      call sweep_friction(law, list, parcels%state, parcels%force)
+      call sweep_friction(law, pairs, parcels%state, parcels%force)
     else
-      call sweep_frictionless(law, list, parcels%state, parcels%force)
+      call sweep_frictionless(law, pairs, parcels%state, parcels%force)
     end if
   end subroutine sweep
 
@@ -287,7 +302,10 @@ contains
       call find_trouble(self%comm, self%chamber, self%parcels, self%time, outcome)
       return
     end if
-    self%travelled = self%travelled + time*sqrt(largest(1))
+    self%speed = sqrt(largest(1))
+    self%travelled = self%travelled + time*self%speed
+    call self%pairs%note_way(time*self%speed)
+    if (allocated(self%parts)) call self%parts%pairs%note_way(time*self%speed)
     if (self%travelled > 0.5_wp*self%skin) self%travelled = self%comm%max(farthest(self%parcels))
     if (self%travelled > nearly*0.5_wp*self%skin) then
       call self%renew_lists(outcome)
@@ -317,18 +335,10 @@ contains
 
     call self%history%clear()
     if (self%parcels%rotation .and. self%rebuilds > 0) then
-      call self%gather_slips(self%list)
-      call self%history%collect(self%list, self%walls, self%parcels, self%step)
+      if (allocated(self%parts)) self%pairs = gathered(self%parts)
+      call self%history%collect(self%pairs, self%walls, self%parcels, self%step)
     end if
   end subroutine keep_history
-
-  !> Bring the slips of a list up to date that was dealt to the present parts, if it was.
-  pure subroutine gather_slips(self, list)
-    class(solids_t), intent(in) :: self
-    type(contact_list_t), intent(inout) :: list
-
-    if (allocated(self%parts)) call gather(self%parts, self%laws, self%parcels%powder(1:self%parcels%n_all()), list)
-  end subroutine gather_slips
 
   !> New lists for the parcels where they are. All ranks take part.
   subroutine renew_lists(self, outcome)
@@ -371,10 +381,12 @@ contains
     call self%history%follow(place)
     call self%ghosts%invite(self%tiles, self%range, self%parcels, with_powder=allocated(self%parts))
     call self%search%build(self%parcels, self%skin, self%list)
-    call self%list%clear_history()
+    call self%pairs%take_all(self%list)
     call self%walls%build(self%chamber, self%parcels, 0.5_wp*self%skin)
-    if (self%parcels%rotation) call self%history%restore(self%list, self%walls, self%parcels, self%step)
-    if (allocated(self%parts)) call deal(self%list, self%laws, self%parcels%powder(1:self%parcels%n_all()), self%parts)
+    if (self%parcels%rotation) call self%history%restore(self%list, self%pairs, self%walls, self%parcels, self%step)
+    if (allocated(self%parts)) then
+      call deal(self%list, self%pairs, self%laws, self%parcels%powder(1:self%parcels%n_all()), self%parts)
+    end if
     self%rebuilds = self%rebuilds + 1
   end subroutine make_lists
 

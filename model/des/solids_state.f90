@@ -6,7 +6,7 @@
 !> keep a parcel with its contacts, parcels find their way and the run goes on to rounding.
 module solids_state
   use contact_history, only: history_t
-  use contact_list, only: contact_list_t
+  use contact_parts, only: gathered
   use kinds, only: wp, i8
   use outcome, only: outcome_t
   use parcels, only: parcels_t, coupled_rows, radius_row, mass_row, curvature_row
@@ -86,14 +86,15 @@ contains
     type(solids_state_t), intent(inout) :: state
 
     type(history_t) :: history
-    type(contact_list_t) :: list
     integer :: next(solids%parcels%n), m, i, j
 
     call history%clear()
     if (solids%parcels%rotation .and. solids%rebuilds > 0) then
-      list = solids%list
-      call solids%gather_slips(list)
-      call history%collect(list, solids%walls, solids%parcels, solids%step)
+      if (allocated(solids%parts)) then
+        call history%collect(gathered(solids%parts), solids%walls, solids%parcels, solids%step)
+      else
+        call history%collect(solids%pairs, solids%walls, solids%parcels, solids%step)
+      end if
     end if
     do m = 1, history%n
       i = history%own(m)

@@ -3,10 +3,10 @@
 !> A wall is a partner of infinite mass and no radius or curvature in the parcel's foot point, the nearest point of the wall,
 !> and moves as its surface does there; the law is the one of parcels, with the constants of the parcel's and the wall's materials.
 module walls
+  use close_pairs, only: never
   use contact_lanes, only: lanes
   use contact_law, only: contact_law_t, friction_forces, frictionless_forces
   use contact_laws, only: contact_laws_t
-  use contact_list, only: never
   use kinds, only: wp
   use parcels, only: parcels_t
   use chamber, only: chamber_t, face_normal, n_faces

@@ -158,8 +158,9 @@ contains
     if (outcome%failed()) print '(a)', outcome%message
     if (.not. comm%is_root()) return
     made = max(1, steps/block)
-    print '(a,i0,a,f6.3,a,f6.1)', 'steps ', made*block, '  pairs listed per parcel ', &
-      real(bed%list%entries, wp)/bed%parcels%n, '  bytes per parcel ', real(bytes(bed), wp)/bed%parcels%n
+    print '(a,i0,2(a,f6.3),a,f6.1)', 'steps ', made*block, '  pairs listed per parcel ', &
+      real(bed%list%entries, wp)/bed%parcels%n, '  close ', real(bed%pairs%n, wp)/bed%parcels%n, &
+      '  bytes per parcel ', real(bytes(bed), wp)/bed%parcels%n
     print '(a,2(f7.3,a))', 'new lists  ', making(1)/n/made*1e6_wp, ' us per parcel, ', &
       making(2)/n/made*1e6_wp, ' by processor time'
     print '(a,2(f7.3,a))', 'with lists ', n*1e-6_wp*made*block/(stepping(1) + making(1)), ' M parcel-steps/s, ', &
@@ -186,8 +187,8 @@ contains
     integer(int64) :: bytes
 
     associate (p => bed%parcels)
-      bytes = p%n*(8_int64*(size(p%state, 1) + size(p%force, 1) + 3 + 2 + 1) + 4) &
-              + bed%list%entries*(8_int64 + merge(32, 0, p%rotation))
+      bytes = p%n*(8_int64*(size(p%state, 1) + size(p%force, 1) + size(p%aside, 1) + 3 + 2 + 1) + 4) &
+              + bed%list%entries*8_int64 + bed%pairs%n*(12_int64 + merge(32, 0, p%rotation))
     end associate
   end function bytes
 
