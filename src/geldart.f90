@@ -27,7 +27,7 @@ program geldart
     if (command%help .or. command%version .or. command%markdown) then
       if (comm%is_root()) call inform()
     else
-      call read_case(command%case_file, command%overrides, case, problems)
+      call read_case(command%case_file, command%overrides, case, problems, comm)
       if (problems%count() == 0) call compute()
     end if
   end if

@@ -1,8 +1,10 @@
 !> What holds the parcels: a box, what its faces do, walls within it, and gravity.
 module chamber
   use kinds, only: wp
+  use mesh_wall, only: mesh_wall_t, new_mesh_wall
   use plane, only: plane_t, new_plane
   use shell, only: shell_t, new_shell
+  use surface, only: surface_t
   use wall_settings, only: wall_settings_t
   implicit none
   private
@@ -10,18 +12,27 @@ module chamber
 
   integer, parameter :: n_faces = 6  !< low and high x, low and high y, low and high z
 
-  !> Faces are numbered 1 to 6: low x, high x, low y, high y, low z, high z. Planes go on with 7, shells after them.
+  !> Faces are numbered 1 to 6: low x, high x, low y, high y, low z, high z. Planes go on with 7,
+  !> shells after them, then each triangle of the meshes.
   type :: chamber_t
     real(wp) :: lower(3), upper(3)           !< corners [m]
     logical :: periodic(3) = .false.         !< whether opposite faces are joined
     logical :: open(2, 3) = .false.          !< low and high face of each direction: parcels leave there
     real(wp) :: gravity(3) = 0.0_wp          !< [m/s2]
     integer :: face_material(n_faces) = 0    !< see contact_pairs
-    integer :: n_planes = 0, n_shells = 0
+    integer :: n_planes = 0, n_shells = 0, n_meshes = 0
     type(plane_t), allocatable :: planes(:)  !< exist if there are any
     type(shell_t), allocatable :: shells(:)  !< exist if there are any
+    type(mesh_wall_t), allocatable :: meshes(:)  !< exist if there are any
+    real(wp) :: fastest = 0.0_wp             !< speed of any wall that moves itself [m/s]
+    real(wp) :: time = 0.0_wp                !< for which such walls are where they are [s]
   contains
     procedure :: add_walls
+    procedure :: move_to
+    procedure :: first_triangle
+    procedure :: mesh_of
+    procedure :: find_images
+    procedure :: shift
     procedure :: is_wall
     procedure :: material_of
     procedure :: materials
@@ -33,22 +44,32 @@ module chamber
 contains
 
   !> Put walls into the box, which has none yet.
-  pure subroutine add_walls(self, settings)
+  pure subroutine add_walls(self, settings, surfaces)
     class(chamber_t), intent(inout) :: self
     type(wall_settings_t), intent(in) :: settings(:)
+    type(surface_t), intent(in), optional :: surfaces(:)  !< (walls) of those that are meshes; may miss if none is
 
-    integer :: w, p, s
+    integer :: w, p, s, m, triangles
 
     self%n_planes = count(settings%kind == 'plane')
-    self%n_shells = size(settings) - self%n_planes
+    self%n_meshes = count(settings%kind == 'mesh')
+    self%n_shells = size(settings) - self%n_planes - self%n_meshes
     if (self%n_planes > 0) allocate (self%planes(self%n_planes))
     if (self%n_shells > 0) allocate (self%shells(self%n_shells))
+    if (self%n_meshes > 0) allocate (self%meshes(self%n_meshes))
     p = 0
     s = 0
+    m = 0
+    triangles = 0
     do w = 1, size(settings)
       if (settings(w)%kind == 'plane') then
         p = p + 1
         self%planes(p) = new_plane(settings(w))
+      else if (settings(w)%kind == 'mesh') then
+        m = m + 1
+        self%meshes(m) = new_mesh_wall(settings(w), surfaces(w), triangles)
+        triangles = triangles + self%meshes(m)%n
+        self%fastest = max(self%fastest, self%meshes(m)%fastest)
       else
         s = s + 1
         self%shells(s) = new_shell(settings(w))
@@ -56,6 +77,79 @@ contains
     end do
     if (self%n_shells > 1) call join_shells(self%shells)
   end subroutine add_walls
+
+  !> Put the walls that move where they are at a time [s].
+  pure subroutine move_to(self, time)
+    class(chamber_t), intent(inout) :: self
+    real(wp), intent(in) :: time
+
+    integer :: m
+
+    self%time = time
+    do m = 1, self%n_meshes
+      if (self%meshes(m)%moves) call self%meshes(m)%move_to(time)
+    end do
+  end subroutine move_to
+
+  !> The number of the first triangle of all.
+  pure function first_triangle(self) result(face)
+    class(chamber_t), intent(in) :: self
+    integer :: face
+
+    face = n_faces + self%n_planes + self%n_shells + 1
+  end function first_triangle
+
+  !> The mesh a triangle belongs to.
+  pure function mesh_of(self, face) result(m)
+    class(chamber_t), intent(in) :: self
+    integer, intent(in) :: face
+    integer :: m
+
+    do m = self%n_meshes, 1, -1
+      if (face - self%first_triangle() >= self%meshes(m)%before) return
+    end do
+  end function mesh_of
+
+  !> The images of a parcel that have a part of the chamber within a reach: numbers as `shift` takes them, first the parcel itself.
+  pure subroutine find_images(self, x, reach, images, n)
+    class(chamber_t), intent(in) :: self
+    real(wp), intent(in) :: x(3), reach  !< [m]
+    integer, intent(out) :: images(8), n
+
+    integer :: a, digit
+
+    n = 1
+    images(1) = 0
+    do a = 1, 3
+      if (.not. self%periodic(a)) cycle
+      digit = 0
+      if (x(a) - self%lower(a) < reach) digit = 1
+      if (self%upper(a) - x(a) < reach) digit = 2
+      if (digit == 0) cycle
+      images(n + 1:2*n) = images(1:n) + digit*3**(a - 1)
+      n = 2*n
+    end do
+  end subroutine find_images
+
+  !> From a parcel to an image of it. The digits of its number to the base of 3: 0 here, 1 a period up, 2 a period down [m].
+  pure function shift(self, image)
+    class(chamber_t), intent(in) :: self
+    integer, intent(in) :: image
+    real(wp) :: shift(3)
+
+    integer :: a
+
+    do a = 1, 3
+      select case (modulo(image/3**(a - 1), 3))
+      case (1)
+        shift(a) = self%upper(a) - self%lower(a)
+      case (2)
+        shift(a) = self%lower(a) - self%upper(a)
+      case default
+        shift(a) = 0.0_wp
+      end select
+    end do
+  end function shift
 
   !> Find the rims that two shells share.
   pure subroutine join_shells(shells)
@@ -91,7 +185,9 @@ contains
     integer, intent(in) :: face
     integer :: material
 
-    if (face > n_faces + self%n_planes) then
+    if (face >= self%first_triangle()) then
+      material = self%meshes(self%mesh_of(face))%material
+    else if (face > n_faces + self%n_planes) then
       material = self%shells(face - n_faces - self%n_planes)%material
     else if (face > n_faces) then
       material = self%planes(face - n_faces)%material
@@ -110,6 +206,7 @@ contains
     materials = pack(self%face_material, [(self%is_wall(face), face=1, n_faces)])
     if (self%n_planes > 0) materials = [materials, self%planes%material]
     if (self%n_shells > 0) materials = [materials, self%shells%material]
+    if (self%n_meshes > 0) materials = [materials, self%meshes%material]
   end function materials
 
   !> Distance of a point from a wall, positive where parcels may be [m].
@@ -120,9 +217,13 @@ contains
     real(wp) :: distance
 
     real(wp) :: way(3)
-    integer :: axis
+    integer :: axis, bearers(2), m
 
-    if (face > n_faces + self%n_planes) then
+    if (face >= self%first_triangle()) then
+      m = self%mesh_of(face)
+      call self%meshes(m)%approach(face - self%first_triangle() + 1 - self%meshes(m)%before, self%meshes(m)%seen(x), way, &
+                                   distance, bearers)
+    else if (face > n_faces + self%n_planes) then
       call self%approach_shell(face - n_faces - self%n_planes, x, way, distance)
     else if (face > n_faces) then
       distance = self%planes(face - n_faces)%distance(x)
@@ -159,7 +260,7 @@ contains
     if (.not. felt) distance = huge(distance)
   end subroutine approach_shell
 
-  !> Whether a parcel is beyond one of the planes or shells, or about to be.
+  !> Whether a parcel is beyond one of the walls within the box, or about to be.
   pure function is_beyond(self, x, radius)
     class(chamber_t), intent(in) :: self
     real(wp), intent(in) :: x(3)    !< [m]
@@ -174,6 +275,9 @@ contains
     end do
     do m = 1, self%n_shells
       is_beyond = is_beyond .or. self%shells(m)%is_beyond(self%shells(m)%distance(x), radius)
+    end do
+    do m = 1, self%n_meshes
+      is_beyond = is_beyond .or. self%meshes(m)%is_beyond(x, radius)
     end do
   end function is_beyond
 

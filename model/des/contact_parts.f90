@@ -5,12 +5,15 @@
 module contact_parts
   use close_pairs, only: close_pairs_t
   use contact_lanes, only: lanes
+  use contact_law, only: contact_law_t
   use contact_laws, only: contact_laws_t
   use contact_list, only: contact_list_t
+  use contact_sweep, only: sweep_friction, sweep_frictionless
   use kinds, only: wp
+  use parcels, only: parcels_t
   implicit none
   private
-  public :: part_t, deal, gathered
+  public :: part_t, deal, gathered, sweep_pairs
 
   !> The pairs of one law.
   type :: part_t
@@ -55,6 +58,22 @@ contains
       end do
     end do
   end subroutine deal
+
+  !> Add the forces of the pairs of one law.
+  subroutine sweep_pairs(law, list, pairs, lengths, parcels)
+    type(contact_law_t), intent(in) :: law
+    type(contact_list_t), intent(in) :: list
+    type(close_pairs_t), intent(inout) :: pairs
+    real(wp), intent(in) :: lengths(3)  !< way of the fastest parcel in a step, skin, width of a parcel [m]
+    type(parcels_t), intent(inout) :: parcels
+
+    call pairs%keep_close(list, parcels%state, lengths(1), lengths(2), lengths(3))
+    if (parcels%rotation) then
+      call sweep_friction(law, pairs, parcels%state, parcels%force)
+    else
+      call sweep_frictionless(law, pairs, parcels%state, parcels%force)
+    end if
+  end subroutine sweep_pairs
 
   !> The close pairs of all parts, one part after the other; of their entries in the list nothing is known.
   function gathered(parts) result(pairs)

@@ -8,12 +8,10 @@ module solids
   use close_pairs, only: close_pairs_t
   use communicator, only: communicator_t
   use contact_history, only: history_t
-  use contact_law, only: contact_law_t
   use contact_laws, only: contact_laws_t, new_contact_laws
   use contact_list, only: contact_list_t
-  use contact_parts, only: part_t, deal, gathered
+  use contact_parts, only: part_t, deal, gathered, sweep_pairs
   use contact_settings, only: contact_settings_t
-  use contact_sweep, only: sweep_friction, sweep_frictionless
   use constants, only: pi, is_set
   use des_settings, only: des_settings_t
   use ghosts, only: ghosts_t
@@ -62,6 +60,7 @@ module solids
     real(wp) :: step = 0.0_wp            !< steps done; a real, as the slips keep it
     real(wp) :: travelled = 0.0_wp       !< at most, by any parcel since the lists were made [m]
     real(wp) :: speed = 0.0_wp           !< of the fastest parcel [m/s]
+    real(wp) :: listed_at = 0.0_wp       !< time for which walls stood where they did when the lists were made [s]
     integer(i8) :: rebuilds = 0          !< lists made
     integer(i8) :: weighed = 0           !< of these, when the balance was looked at last
     integer(i8) :: added = 0, left = 0   !< parcels, on all ranks, since the start
@@ -218,7 +217,8 @@ contains
       square = max(square, sum(self%parcels%state(5:7, i)**2))
     end do
     speed = sqrt(self%comm%max(square))
-    dt = min(self%time_step_limit(2*speed), farthest_step*self%smallest_radius/max(speed, tiny(dt)))
+    dt = min(self%time_step_limit(speed + max(speed, self%chamber%fastest)), &
+             farthest_step*self%smallest_radius/max(speed + self%chamber%fastest, tiny(dt)))
   end function next_step_limit
 
   !> Go on by `steps` steps of `dt`. All ranks take part and agree on the outcome.
@@ -235,6 +235,7 @@ contains
     if (outcome%failed() .or. steps == 0 .or. self%added == 0) return
     call add_lead(self%parcels)
     call drift(self%parcels, dt/2, fastest)
+    call place_walls(self, dt/2)
     call keep_neighbours(self, dt/2, fastest, .true., outcome)
     do step = 1, steps
       if (outcome%failed()) exit
@@ -242,49 +243,43 @@ contains
       time = merge(dt, dt/2, step < steps)
       call kick_and_drift(self%parcels, self%chamber%gravity, dt, time, fastest, energy)
       self%time = self%time + dt
+      call place_walls(self, time - dt/2)
       call keep_neighbours(self, time, fastest, energy <= huge(1.0_wp) .and. self%walls%through == 0, outcome)
     end do
     call take_lead(self%parcels)
   end subroutine advance
+
+  !> Walls go along with the parcels, which are ahead of the time within a step.
+  pure subroutine place_walls(self, ahead)
+    class(solids_t), intent(inout) :: self
+    real(wp), intent(in) :: ahead  !< [s]
+
+    if (self%chamber%fastest > 0.0_wp) call self%chamber%move_to(self%time + ahead)
+  end subroutine place_walls
 
   !> Contact forces and torques of this step.
   subroutine find_forces(self, dt)
     class(solids_t), intent(inout) :: self
     real(wp), intent(in) :: dt  !< [s]
 
-    real(wp) :: way, width
+    real(wp) :: lengths(3)
     integer :: law
 
     self%step = self%step + 1
     call self%laws%set_step(dt, self%step)
-    way = dt*self%speed
-    width = typical_width(self)
+    lengths = [dt*self%speed, self%skin, typical_width(self)]
     if (.not. allocated(self%parts)) then
-      call self%pairs%keep_close(self%list, self%parcels%state, way, self%skin, width)
-      call sweep(self%laws%pair(1), self%pairs, self%parcels)
+      call sweep_pairs(self%laws%pair(1), self%list, self%pairs, lengths, self%parcels)
     else
       do law = 1, size(self%parts)
-        call self%parts(law)%pairs%keep_close(self%parts(law)%list, self%parcels%state, way, self%skin, width)
-        call sweep(self%laws%pair(law), self%parts(law)%pairs, self%parcels)
+        call sweep_pairs(self%laws%pair(law), self%parts(law)%list, self%parts(law)%pairs, lengths, self%parcels)
       end do
     end if
+    self%walls%step = self%step
     call self%walls%sweep(self%chamber, self%laws, self%parcels)
   end subroutine find_forces
 
-  !> Of the pairs of one law.
-  subroutine sweep(law, pairs, parcels)
-    type(contact_law_t), intent(in) :: law
-    type(close_pairs_t), intent(inout) :: pairs
-    type(parcels_t), intent(inout) :: parcels
-
-    if (parcels%rotation) then
-      call sweep_friction(law, pairs, parcels%state, parcels%force)
-    else
-      call sweep_frictionless(law, pairs, parcels%state, parcels%force)
-    end if
-  end subroutine sweep
-
-  !> After a drift: make new lists if some parcel may have gone half the skin, else refresh the ghosts.
+  !> After a drift: make new lists if some parcel or wall may have gone half the skin, else refresh the ghosts.
   !> The largest speed bounds the way gone; the ways themselves are looked at only when the bound is used up.
   subroutine keep_neighbours(self, time, fastest, sound, outcome)
     class(solids_t), intent(inout) :: self
@@ -294,7 +289,7 @@ contains
     type(outcome_t), intent(inout) :: outcome
 
     real(wp), parameter :: nearly = 0.8_wp
-    real(wp) :: largest(2)
+    real(wp) :: largest(2), wall_way
 
     largest = [merge(fastest, 0.0_wp, sound), merge(0.0_wp, 1.0_wp, sound)]
     if (self%comm%size > 1) largest = self%comm%max(largest)
@@ -307,7 +302,8 @@ contains
     call self%pairs%note_way(time*self%speed)
     if (allocated(self%parts)) call self%parts%pairs%note_way(time*self%speed)
     if (self%travelled > 0.5_wp*self%skin) self%travelled = self%comm%max(farthest(self%parcels))
-    if (self%travelled > nearly*0.5_wp*self%skin) then
+    wall_way = self%chamber%fastest*(self%chamber%time - self%listed_at)
+    if (max(self%travelled, wall_way) > nearly*0.5_wp*self%skin) then
       call self%renew_lists(outcome)
     else
       call self%ghosts%refresh(self%parcels)
@@ -360,6 +356,7 @@ contains
       self%parcels%built(:, i) = self%parcels%state(1:3, i)
     end do
     self%travelled = 0.0_wp
+    self%listed_at = self%chamber%time
   end subroutine note_places
 
   !> The lists themselves, with the slips kept in `history`; for `renew_lists` and the reading of restarts.

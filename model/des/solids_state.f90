@@ -15,13 +15,13 @@ module solids_state
   private
   public :: solids_state_t, export_state, import_state, n_scalars, n_counts, parcel_rows
 
-  integer, parameter :: n_scalars = 8, n_counts = 4
+  integer, parameter :: n_scalars = 9, n_counts = 4
   integer, parameter :: plain_rows = 22
 
   type :: solids_state_t
     ! Of the whole run, the same on all ranks.
     !> time [s], step, travelled [m], mass added, mass left [kg], largest and smallest radius [m], smallest mass of
-    !> a parcel [kg]: the components of solids of these names
+    !> a parcel [kg], listed at [s]: the components of solids of these names
     real(wp) :: scalars(n_scalars) = 0.0_wp
     integer(i8) :: counts(n_counts) = 0_i8      !< parcels added, parcels left, lists made, lists weighed
     integer, allocatable :: owner(:)            !< rank of each tile
@@ -70,7 +70,7 @@ contains
     allocate (state%owner(0))
     if (allocated(solids%tiles%owner)) state%owner = solids%tiles%owner
     state%scalars = [solids%time, solids%step, solids%travelled, solids%mass_added, solids%mass_left, &
-                     solids%largest_radius, solids%smallest_radius, minval(solids%lightest)]
+                     solids%largest_radius, solids%smallest_radius, minval(solids%lightest), solids%listed_at]
     if (size(solids%lightest) > 1) then
       allocate (state%least(2, size(solids%lightest)))
       state%least(1, :) = solids%lightest
@@ -155,6 +155,7 @@ contains
         solids%smallest(:) = state%least(2, :)
       end if
     end if
+    solids%listed_at = state%scalars(9)
     solids%added = state%counts(1)
     solids%left = state%counts(2)
     call import_parcels(state, solids%parcels)
@@ -164,7 +165,9 @@ contains
     if (size(state%owner) == solids%tiles%total .and. all(state%owner < solids%comm%size)) then
       call solids%tiles%set_owners(state%owner)
     end if
+    if (solids%chamber%fastest > 0.0_wp) call solids%chamber%move_to(solids%listed_at)
     call solids%make_lists(outcome)
+    if (solids%chamber%fastest > 0.0_wp) call solids%chamber%move_to(solids%time)
     do i = 1, solids%parcels%n
       now = solids%parcels%built(:, i)
       solids%parcels%built(:, i) = solids%parcels%state(1:3, i)

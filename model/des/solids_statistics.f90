@@ -94,10 +94,10 @@ contains
     real(wp), intent(inout) :: largest    !< [-]
 
     real(wp) :: overlap
-    integer :: w
+    integer :: w, last
 
     contacts = 0.0_wp
-    do w = 1, solids%walls%entries
+    do w = 1, solids%walls%kind_end(3)
       associate (s => solids%parcels%state(1:4, solids%walls%parcel(w)))
         overlap = 1 - solids%chamber%distance(solids%walls%face(w), s(1:3))/s(4)
         if (overlap <= 0.0_wp) cycle
@@ -106,7 +106,30 @@ contains
         largest = max(largest, overlap)
       end associate
     end do
+    do while (w <= solids%walls%entries)
+      last = solids%walls%end_of_run(solids%chamber, w)
+      call add_run(solids, [w, last], contacts, beyond, largest)
+      w = last + 1
+    end do
   end subroutine add_walls
+
+  !> The contacts of a parcel with a mesh.
+  pure subroutine add_run(solids, range, contacts, beyond, largest)
+    type(solids_t), intent(in) :: solids
+    integer, intent(in) :: range(2)  !< entries
+    real(wp), intent(inout) :: contacts, beyond(:), largest
+
+    real(wp) :: gap(4, range(2) - range(1) + 1), overlap
+    integer :: chosen(size(gap, 2)), n, c
+
+    call solids%walls%look_at_run(solids%chamber, solids%parcels, range, gap, chosen, n)
+    do c = 1, n
+      overlap = 1 - gap(4, chosen(c))/solids%parcels%state(4, solids%walls%parcel(range(1)))
+      contacts = contacts + 1
+      where (overlap > deep) beyond = beyond + 1
+      largest = max(largest, overlap)
+    end do
+  end subroutine add_run
 
   !> Kinetic energy, with (1/2) I omega^2 = (1/5) m (r omega)^2, and mass.
   pure subroutine add_parcels(parcels, energy, mass)

@@ -1,9 +1,9 @@
-!> A &wall record: a plane, cylinder or cone within the domain that parcels bounce off.
+!> A &wall record: a plane, cylinder, cone or mesh of triangles within the domain that parcels bounce off.
 module wall_settings
   use case_keys, only: keys_t
   use constants, only: unset, is_set
   use kinds, only: wp
-  use text, only: word_length
+  use text, only: word_length, line_length
   use wall_motion, only: wall_motion_t, cross
   implicit none
   private
@@ -13,7 +13,7 @@ module wall_settings
 
   type :: wall_settings_t
     character(len=word_length) :: id = ''
-    character(len=word_length) :: kind = ''         !< 'plane' | 'cylinder' | 'cone'
+    character(len=word_length) :: kind = ''         !< 'plane' | 'cylinder' | 'cone' | 'mesh'
     real(wp) :: point(3) = unset                    !< of the plane, or of the axis [m]
     real(wp) :: normal(3) = unset                   !< plane: towards the parcels, of any length
     real(wp) :: axis(3) = unset                     !< cylinder: of any length
@@ -22,8 +22,13 @@ module wall_settings
     character(len=word_length) :: side = 'inside'   !< cylinder without ends: where parcels are, or 'outside'
     real(wp) :: end_point(3) = unset                !< cone: another point of the axis [m]
     real(wp) :: end_radius = unset                  !< cone: there [m]
-    real(wp) :: velocity(3) = 0.0_wp                !< of the surface, along itself [m/s]
-    real(wp) :: angular_velocity(3) = 0.0_wp        !< of the surface, onto itself [rad/s]
+    character(len=line_length) :: file = ''         !< mesh: .stl
+    real(wp) :: scale = 1.0_wp                      !< mesh: length of the file's unit [m]
+    real(wp) :: offset(3) = 0.0_wp                  !< mesh: where the file's origin is at the start [m]
+    logical :: open = .false.                       !< mesh: whether it may have edges
+    logical :: stays = .false.                      !< mesh: whether only its surface moves
+    real(wp) :: velocity(3) = 0.0_wp                !< of the surface, along itself; of a mesh that does not stay [m/s]
+    real(wp) :: angular_velocity(3) = 0.0_wp        !< of the surface, onto itself; of a mesh that does not stay [rad/s]
     real(wp) :: rotation_centre(3) = unset          !< [m]
     character(len=word_length) :: material_id = ''  !< key material
     integer :: material = 0                         !< place of that record; 0: that of all walls
@@ -41,16 +46,17 @@ contains
     type(wall_settings_t), intent(inout) :: settings
     type(keys_t), intent(inout) :: keys
 
-    logical :: plane, cylinder, cone
+    logical :: plane, cylinder, cone, mesh
 
     call keys%get_id(settings%id, 'name of the wall')
     call keys%get('kind', settings%kind, 'what it is; parcels are on one side of a plane or a cylinder without length, and on '// &
-                  'either of others', 'plane | cylinder | cone', required=.true., when='always')
+                  'either of others', 'plane | cylinder | cone | mesh', required=.true., when='always')
     plane = settings%kind == 'plane'
     cylinder = settings%kind == 'cylinder'
     cone = settings%kind == 'cone'
+    mesh = settings%kind == 'mesh'
     call keys%get('point', settings%point, 'a point of the plane or of the axis; where a length or a cone begins [m]', &
-                  required=.true., when='always')
+                  required=.not. mesh, when='for all but a mesh')
     call keys%get('normal', settings%normal, 'plane: direction towards the parcels', required=plane, when='for a plane')
     call keys%get('axis', settings%axis, 'cylinder: direction of its axis', required=cylinder, when='for a cylinder')
     call keys%get('radius', settings%radius, 'of the cylinder, or of the cone at point [m]', '[0, inf)', &
@@ -59,13 +65,22 @@ contains
     call keys%get('side', settings%side, 'cylinder without length: where the parcels are', 'inside | outside')
     call keys%get('end_point', settings%end_point, 'cone: the other end of its axis [m]', required=cone, when='for a cone')
     call keys%get('end_radius', settings%end_radius, 'cone: radius at end_point [m]', '[0, inf)', required=cone, when='for a cone')
-    call keys%get('velocity', settings%velocity, 'of the surface, along the wall, which stays where it is: a belt [m/s]')
+    call keys%get_path('file', settings%file, 'mesh: its triangles, .stl', must_exist=.true.)
+    call keys%get('scale', settings%scale, 'mesh: length of the file''s unit [m]', '(0, inf)')
+    call keys%get('offset', settings%offset, 'mesh: where the origin of the file is at the start [m]')
+    call keys%get('open', settings%open, 'mesh: whether it may have edges, as a chute has, and not enclose anything')
+    call keys%get('stays', settings%stays, 'mesh: whether it stays where it is and only its surface moves')
+    call keys%get('velocity', settings%velocity, 'of the surface, along the wall, which stays where it is: a belt; a mesh '// &
+                  'moves as a whole [m/s]')
     call keys%get('angular_velocity', settings%angular_velocity, 'of the surface, about the axis of the wall or the normal '// &
-                  'of the plane: a drum [rad/s]')
+                  'of the plane: a drum; a mesh turns as a whole [rad/s]')
     settings%rotation_centre = settings%point
-    call keys%get('rotation_centre', settings%rotation_centre, 'a point of the axis of rotation; point if not given [m]')
+    if (mesh) settings%rotation_centre = settings%offset
+    call keys%get('rotation_centre', settings%rotation_centre, 'a point of the axis of rotation; point, or offset of a mesh, '// &
+                  'if not given [m]')
     call keys%get_optional_reference('material', settings%material_id, settings%material, 'material', &
                                      'what it is made of, a &material; wall_material of &contact if not given')
+    call keys%require(.not. mesh .or. keys%given('file'), 'file', 'is missing; it is required for a mesh')
     call check_keys(settings, keys)
     if (settings%has_shape()) call check_motion(settings, keys)
   end subroutine declare_wall
@@ -82,7 +97,15 @@ contains
     call reserve('side', 'cylinder')
     call reserve('end_point', 'cone')
     call reserve('end_radius', 'cone')
-    call keys%require(.not. (keys%given('radius') .and. settings%kind == 'plane'), 'radius', 'belongs to a cylinder or a cone')
+    call reserve('file', 'mesh')
+    call reserve('scale', 'mesh')
+    call reserve('offset', 'mesh')
+    call reserve('open', 'mesh')
+    call reserve('stays', 'mesh')
+    call keys%require(.not. (keys%given('radius') .and. any(settings%kind == ['plane', 'mesh '])), 'radius', &
+                      'belongs to a cylinder or a cone')
+    call keys%require(.not. (keys%given('point') .and. settings%kind == 'mesh'), 'point', &
+                      'belongs to a plane, a cylinder or a cone; a mesh has an offset')
     call demand_direction('normal', settings%normal)
     call demand_direction('axis', settings%axis)
     if (settings%kind == 'cylinder') then
@@ -184,13 +207,17 @@ contains
     if (norm2(direction) > 0.0_wp) direction = direction/norm2(direction)
   end function direction
 
-  !> The motion of the surface, without what a rounded direction has beside it.
+  !> The motion of the surface, without what a rounded direction has beside it; that of a mesh as it is.
   pure function motion(self)
     class(wall_settings_t), intent(in) :: self
     type(wall_motion_t) :: motion
 
     real(wp) :: direction(3)
 
+    if (self%kind == 'mesh') then
+      motion = wall_motion_t(self%velocity, self%angular_velocity, self%rotation_centre)
+      return
+    end if
     direction = self%direction()
     motion%spin = dot_product(self%angular_velocity, direction)*direction
     motion%velocity = dot_product(self%velocity, direction)*direction

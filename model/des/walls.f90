@@ -2,12 +2,17 @@
 !>
 !> A wall is a partner of infinite mass and no radius or curvature in the parcel's foot point, the nearest point of the wall,
 !> and moves as its surface does there; the law is the one of parcels, with the constants of the parcel's and the wall's materials.
+!>
+!> A wall of triangles has an entry for every triangle near a parcel. Those of one parcel follow each other, and which of them are
+!> contacts is found together.
 module walls
   use close_pairs, only: never
   use contact_lanes, only: lanes
   use contact_law, only: contact_law_t, friction_forces, frictionless_forces
   use contact_laws, only: contact_laws_t
   use kinds, only: wp
+  use mesh_contacts, only: find_contacts, hand_over
+  use mesh_wall, only: closest
   use parcels, only: parcels_t
   use chamber, only: chamber_t, face_normal, n_faces
   implicit none
@@ -17,18 +22,22 @@ module walls
   integer, parameter :: block_pairs = 64  !< contacts given to the law at a time
 
   !> Parcels that touch a wall or may do so before the list is made again: first those of the faces, then of planes, then of
-  !> shells, each ordered by column.
+  !> shells, each ordered by column, then of one mesh after the other.
   type :: wall_list_t
     logical :: with_history = .false.
     integer :: entries = 0
-    integer :: kind_end(3) = 0            !< last entry of faces, of planes, of shells
+    integer :: kind_end(4) = 0            !< last entry of faces, of planes, of shells, of triangles
+    real(wp) :: step = 0.0_wp             !< number of this step
     integer :: through = 0                !< column of a parcel that is beyond a wall, 0 if there is none
     integer, allocatable :: parcel(:)     !< (entries) column
     integer, allocatable :: face(:)       !< (entries) see chamber
+    integer, allocatable :: image(:)      !< (entries) in a periodic chamber: which image of the parcel is near the triangle
     real(wp), allocatable :: slip(:,:)    !< (4, entries) 1:3 tangential slip [m], 4 step of last touch
   contains
     procedure :: build
     procedure :: sweep
+    procedure :: look_at_run
+    procedure :: end_of_run
   end type wall_list_t
 
 contains
@@ -62,7 +71,9 @@ contains
     end do
     self%kind_end = n
     if (chamber%n_planes + chamber%n_shells > 0) call add_inner(self, chamber, parcels, margin)
-    n = self%kind_end(3)
+    self%kind_end(4) = self%kind_end(3)
+    if (chamber%n_meshes > 0) call add_triangles(self, chamber, parcels, margin)
+    n = self%kind_end(4)
     self%entries = n
     if (.not. self%with_history) return
     if (allocated(self%slip)) deallocate (self%slip)
@@ -115,6 +126,46 @@ contains
     self%kind_end(kind) = n
   end subroutine add_entry
 
+  !> The entries of triangles. A wall that moves may come as near as the parcel.
+  subroutine add_triangles(self, chamber, parcels, margin)
+    type(wall_list_t), intent(inout) :: self
+    type(chamber_t), intent(in) :: chamber
+    type(parcels_t), intent(in) :: parcels
+    real(wp), intent(in) :: margin  !< [m]
+
+    integer, allocatable :: last(:), near(:), old(:)
+    integer :: images(8), n_images, m, i, k, n, e, looks
+    real(wp) :: reach
+
+    allocate (near(64))
+    if (any(chamber%periodic) .and. .not. allocated(self%image)) allocate (self%image(0))
+    do m = 1, chamber%n_meshes
+      associate (wall => chamber%meshes(m))
+        allocate (last(wall%n), source=0)
+        looks = 0
+        do i = 1, parcels%n
+          reach = parcels%state(4, i) + margin*merge(2, 1, wall%moves)
+          call chamber%find_images(parcels%state(1:3, i), reach, images, n_images)
+          do k = 1, n_images
+            looks = looks + 1
+            call wall%list_near(wall%seen(parcels%state(1:3, i) + chamber%shift(images(k))), reach, looks, last, near, n)
+            do e = 1, n
+              call add_entry(self, 4, i, chamber%first_triangle() - 1 + wall%before + near(e))
+              if (.not. any(chamber%periodic)) cycle
+              if (self%kind_end(4) > size(self%image)) then
+                allocate (old(size(self%parcel)), source=0)
+                old(:size(self%image)) = self%image
+                call move_alloc(old, self%image)
+              end if
+              self%image(self%kind_end(4)) = images(k)
+            end do
+          end do
+        end do
+        deallocate (last)
+      end associate
+    end do
+  end subroutine add_triangles
+
   !> Add the forces and torques of all walls.
   pure subroutine sweep(self, chamber, laws, parcels)
     class(wall_list_t), intent(inout) :: self
@@ -126,6 +177,7 @@ contains
     call sweep_faces(self, chamber, laws, parcels)
     if (chamber%n_planes > 0) call sweep_planes(self, chamber, laws, parcels)
     if (chamber%n_shells > 0) call sweep_shells(self, chamber, laws, parcels)
+    if (chamber%n_meshes > 0) call sweep_meshes(self, chamber, laws, parcels)
   end subroutine sweep
 
   pure subroutine sweep_faces(self, chamber, laws, parcels)
@@ -221,6 +273,115 @@ contains
     if (n > 0) call apply(self, chamber, laws, touching(1:n), pair, parcels)
   end subroutine sweep_shells
 
+  pure subroutine sweep_meshes(self, chamber, laws, parcels)
+    type(wall_list_t), intent(inout) :: self
+    type(chamber_t), intent(in) :: chamber
+    type(contact_laws_t), intent(in) :: laws
+    type(parcels_t), intent(inout) :: parcels
+
+    real(wp) :: pair(8, block_pairs)
+    integer :: touching(block_pairs), n, w, last
+
+    n = 0
+    w = self%kind_end(3) + 1
+    do while (w <= self%kind_end(4))
+      last = self%end_of_run(chamber, w)
+      call sweep_run(self, chamber, laws, parcels, [w, last], touching, n, pair)
+      w = last + 1
+    end do
+    if (n > 0) call apply(self, chamber, laws, touching(1:n), pair, parcels)
+  end subroutine sweep_meshes
+
+  !> The contacts of one parcel with one mesh.
+  pure subroutine sweep_run(self, chamber, laws, parcels, range, touching, n, pair)
+    type(wall_list_t), intent(inout) :: self
+    type(chamber_t), intent(in) :: chamber
+    type(contact_laws_t), intent(in) :: laws
+    type(parcels_t), intent(inout) :: parcels
+    integer, intent(in) :: range(2)                    !< entries
+    integer, intent(inout) :: touching(:), n           !< contacts that wait for the law
+    real(wp), intent(inout) :: pair(8, block_pairs)
+
+    real(wp) :: gap(4, range(2) - range(1) + 1), normal(3)
+    integer :: chosen(size(gap, 2)), contacts, c, m
+
+    call self%look_at_run(chamber, parcels, range, gap, chosen, contacts)
+    if (contacts == 0) return
+    if (.not. gap(4, chosen(1)) > closest*parcels%state(4, self%parcel(range(1)))) then
+      self%through = self%parcel(range(1))
+      return
+    end if
+    if (self%with_history) call hand_over(self%step, gap, chosen(:contacts), self%slip(:, range(1):range(2)))
+    m = chamber%mesh_of(self%face(range(1)))
+    do c = 1, contacts
+      n = n + 1
+      touching(n) = range(1) - 1 + chosen(c)
+      associate (s => parcels%state(1:8, self%parcel(range(1))), wall => chamber%meshes(m))
+        pair(1:3, n) = wall%turned_back(gap(1:3, chosen(c)))
+        pair(4:8, n) = s(4:8)
+        normal = pair(1:3, n)/gap(4, chosen(c))
+        pair(5:7, n) = s(5:7) - wall%velocity(s(1:3) + shift_of(self, chamber, touching(n)) - pair(1:3, n), normal)
+      end associate
+      if (n == block_pairs) then
+        call apply(self, chamber, laws, touching(1:n), pair, parcels)
+        n = 0
+      end if
+    end do
+  end subroutine sweep_run
+
+  !> The last entry of the same parcel and the same mesh.
+  pure function end_of_run(self, chamber, first) result(last)
+    class(wall_list_t), intent(in) :: self
+    type(chamber_t), intent(in) :: chamber
+    integer, intent(in) :: first
+    integer :: last
+
+    integer :: end
+
+    associate (wall => chamber%meshes(chamber%mesh_of(self%face(first))))
+      end = chamber%first_triangle() - 1 + wall%before + wall%n
+    end associate
+    last = first
+    do while (last < self%kind_end(4))
+      if (self%parcel(last + 1) /= self%parcel(first) .or. self%face(last + 1) > end) exit
+      last = last + 1
+    end do
+  end function end_of_run
+
+  !> Where a parcel touches a mesh.
+  pure subroutine look_at_run(self, chamber, parcels, range, gap, chosen, n)
+    class(wall_list_t), intent(in) :: self
+    type(chamber_t), intent(in) :: chamber
+    type(parcels_t), intent(in) :: parcels
+    integer, intent(in) :: range(2)                      !< entries
+    real(wp), intent(out) :: gap(:,:)                    !< see find_contacts
+    integer, intent(out) :: chosen(:), n
+
+    real(wp) :: place(3, range(2) - range(1) + 1)
+    integer :: k
+
+    associate (s => parcels%state(1:4, self%parcel(range(1))), face => self%face(range(1):range(2)), &
+               wall => chamber%meshes(chamber%mesh_of(self%face(range(1)))))
+      place(:, 1) = wall%seen(s(1:3) + shift_of(self, chamber, range(1)))
+      do k = 2, size(place, 2)
+        place(:, k) = place(:, 1)
+        if (any(chamber%periodic)) place(:, k) = wall%seen(s(1:3) + shift_of(self, chamber, range(1) - 1 + k))
+      end do
+      call find_contacts(wall, face - (chamber%first_triangle() - 1 + wall%before), place, s(4), gap, chosen, n)
+    end associate
+  end subroutine look_at_run
+
+  !> What brings a parcel to the image of it that is near the triangle of an entry [m].
+  pure function shift_of(self, chamber, entry) result(shift)
+    type(wall_list_t), intent(in) :: self
+    type(chamber_t), intent(in) :: chamber
+    integer, intent(in) :: entry
+    real(wp) :: shift(3)
+
+    shift = 0.0_wp
+    if (any(chamber%periodic)) shift = chamber%shift(self%image(entry))
+  end function shift_of
+
   !> Forces of a block of contacts with walls: those of each law together.
   pure subroutine apply(self, chamber, laws, touching, pair, parcels)
     class(wall_list_t), intent(inout) :: self
@@ -231,19 +392,15 @@ contains
     type(parcels_t), intent(inout) :: parcels
 
     real(wp) :: chosen_pair(8, block_pairs)
-    integer :: number(block_pairs), chosen(block_pairs), law, m, n
+    integer :: chosen(block_pairs), law, m, n
 
-    if (size(laws%wall) == 1) then
-      call apply_law(self, laws%wall(1), touching, pair, parcels)
-      return
-    end if
-    do m = 1, size(touching)
-      number(m) = laws%of_wall(parcels%powder(self%parcel(touching(m))), chamber%material_of(self%face(touching(m))))
-    end do
-    do law = 1, size(laws%wall)
+    if (size(laws%wall) == 1) call apply_law(self, laws%wall(1), touching, pair, parcels)
+    do law = 1, merge(size(laws%wall), 0, size(laws%wall) > 1)
       n = 0
       do m = 1, size(touching)
-        if (number(m) /= law) cycle
+        associate (w => touching(m))
+          if (laws%of_wall(parcels%powder(self%parcel(w)), chamber%material_of(self%face(w))) /= law) cycle
+        end associate
         n = n + 1
         chosen(n) = touching(m)
         chosen_pair(:, n) = pair(:, m)

@@ -14,6 +14,7 @@ module case
   use parcels_settings, only: parcels_settings_t, fill_settings_t, declare_parcels, declare_fill
   use powder_settings, only: powder_settings_t, declare_powder
   use run_settings, only: run_settings_t, declare_run
+  use surface, only: surface_t
   use table_settings, only: table_settings_t, declare_table
   use wall_settings, only: wall_settings_t, declare_wall
   implicit none
@@ -35,6 +36,7 @@ module case
     type(parcels_settings_t) :: parcels
     type(fill_settings_t), allocatable :: fills(:)
     type(wall_settings_t), allocatable :: walls(:)
+    type(surface_t), allocatable :: surfaces(:)   !< (walls) of those that are meshes
     type(contact_settings_t) :: contact
     type(des_settings_t) :: des
     type(coupling_settings_t) :: coupling
@@ -119,9 +121,10 @@ contains
       call keys%open(i)
       call declare_fill(case%fills(i), keys)
     end do
-    call keys%group('wall', 'a plane, cylinder or cone in the domain', 'optional, with &parcels; the gas passes through it', &
+    call keys%group('wall', 'a plane, cylinder, cone or mesh of triangles in the domain', &
+                    'optional, with &parcels; the gas passes through it', &
                     unwanted=.not. case%with_parcels, repeated=.true.)
-    allocate (case%walls(keys%number()))
+    allocate (case%walls(keys%number()), case%surfaces(keys%number()))
     do i = 1, size(case%walls)
       call keys%open(i)
       call declare_wall(case%walls(i), keys)

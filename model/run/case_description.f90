@@ -8,6 +8,7 @@ module case_description
   use outcome, only: outcome_t
   use parcel_plan, only: parcel_plan_t, new_parcel_plan, shortest_contact
   use described_line, only: line
+  use surface, only: surface_t
   use text, only: brief, shown
   implicit none
   private
@@ -124,7 +125,9 @@ contains
         text = trim(wall%id)//': '//trim(wall%kind)
         if (wall%kind == 'cylinder' .and. wall%has_length()) text = text//' '//shown(wall%length)//' m long'
         if (wall%kind == 'cylinder' .and. .not. wall%has_length()) text = text//', parcels '//trim(wall%side)
+        if (wall%kind == 'mesh') text = text//mesh_words(case%surfaces(i))//' from '//trim(wall%file)
         text = text//made_of(case, wall%material)
+        if (wall%stays) text = text//', at rest, its surface'
         if (norm2(wall%velocity) > 0) text = text//', running at '//brief(norm2(wall%velocity))//' m/s'
         if (norm2(wall%angular_velocity) > 0) text = text//', turning at '//brief(norm2(wall%angular_velocity))//' rad/s'
         call line(unit, 'wall', text)
@@ -132,6 +135,19 @@ contains
     end do
     if (case%with_gas .and. size(case%walls) > 0) call line(unit, '', 'the gas passes through walls')
   end subroutine describe_walls
+
+  pure function mesh_words(surface) result(words)
+    type(surface_t), intent(in) :: surface
+    character(len=:), allocatable :: words
+
+    real(wp) :: extent(3)
+
+    extent = maxval(surface%vertex, dim=2) - minval(surface%vertex, dim=2)
+    words = ' of '//shown(surface%n)//' triangles'
+    if (surface%degenerate > 0) words = words//' ('//shown(surface%degenerate)//' without an area left out)'
+    words = words//', '//trim(merge('closed', 'open  ', surface%open_edges == 0))//', '//brief(extent(1))//' by ' &
+            //brief(extent(2))//' by '//brief(extent(3))//' m,'
+  end function mesh_words
 
   pure function weighting_words(case) result(words)
     type(case_t), intent(in) :: case

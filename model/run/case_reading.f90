@@ -5,7 +5,10 @@ module case_reading
   use case_checks, only: check_case
   use case_file, only: case_file_t, load_case, load_case_text
   use case_keys, only: keys_t
+  use communicator, only: communicator_t
   use coarse_graining, only: scale_contacts
+  use mesh_checks, only: check_meshes
+  use mesh_reading, only: read_meshes
   use problems, only: problems_t
   implicit none
   private
@@ -13,21 +16,22 @@ module case_reading
 
 contains
 
-  !> Read a case file. All mistakes are added to the problems; with any, the case is of no use.
-  subroutine read_case(file, overrides, case, problems)
+  !> Read a case file. All mistakes are added to the problems; with any, the case is of no use. All ranks take part.
+  subroutine read_case(file, overrides, case, problems, comm)
     character(len=*), intent(in) :: file
     character(len=*), intent(in) :: overrides(:)  !< 'group%key=value', stronger than the file
     type(case_t), intent(out) :: case
     type(problems_t), intent(inout) :: problems
+    type(communicator_t), intent(in) :: comm
 
     type(case_file_t) :: records
 
     call load_case(file, overrides, records, problems)
-    call read_records(records, case, problems)
+    call read_records(records, case, problems, comm)
   end subroutine read_case
 
   !> The same from the text of a case, such as the `text` of another. Its paths are relative to where the
-  !> program was started.
+  !> program was started. Meshes are read by every rank that calls.
   subroutine read_case_text(text, overrides, case, problems)
     character(len=*), intent(in) :: text
     character(len=*), intent(in) :: overrides(:)
@@ -40,18 +44,21 @@ contains
     call read_records(records, case, problems)
   end subroutine read_case_text
 
-  subroutine read_records(records, case, problems)
+  subroutine read_records(records, case, problems, comm)
     type(case_file_t), intent(in) :: records
     type(case_t), intent(inout) :: case
     type(problems_t), intent(inout) :: problems
+    type(communicator_t), intent(in), optional :: comm
 
     type(keys_t) :: all, keys
 
     call list_all(all)
     call keys%begin(records, all%groups, problems)
     call declare_case(case, keys)
+    call read_meshes(case, keys, comm)
     call scale_contacts(case, keys)
     call check_case(case, keys)
+    call check_meshes(case, keys)
     case%file = records%path
     case%text = keys%resolved
     problems = keys%problems

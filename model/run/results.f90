@@ -1,7 +1,8 @@
-!> The files of a run: parcels.vtkhdf, gas.vtkhdf and monitor.h5.
+!> The files of a run: parcels.vtkhdf, walls.vtkhdf, gas.vtkhdf and monitor.h5.
 module results
   use bed, only: bed_t, up_axis, pressure_drop, bed_heights
   use case, only: case_t
+  use chamber, only: chamber_t
   use constants, only: is_set
   use gas, only: gas_t
   use kinds, only: wp
@@ -18,19 +19,21 @@ module results
   use solids_statistics, only: statistics_t, find_statistics
   use vtkhdf_gas, only: vtkhdf_gas_t
   use vtkhdf_parcels, only: vtkhdf_parcels_t
+  use vtkhdf_walls, only: vtkhdf_walls_t
   implicit none
   private
   public :: results_t
 
   type :: results_t
     type(vtkhdf_parcels_t) :: parcels_file
+    type(vtkhdf_walls_t) :: walls_file         !< of meshes; as often as that of the parcels, once if none moves
     type(vtkhdf_gas_t) :: gas_file
     type(series_file_t) :: series              !< of the bed as a whole, and of the monitors
     integer :: table = 0                       !< of the series: the bed as a whole
     type(monitors_t) :: monitors
     logical :: every_step = .false.            !< whether the series is written after every step
     type(schedule_t) :: parcels_due, gas_due, series_due
-    logical :: parcels_open = .false., gas_open = .false.
+    logical :: parcels_open = .false., walls_open = .false., gas_open = .false.
     integer :: up = 2                          !< see module bed
     real(wp) :: gravity = 0                    !< size of it [m/s2]
     real(wp) :: lower(3), upper(3)             !< corners of the domain [m]
@@ -69,6 +72,9 @@ contains
     self%parcels_open = self%parcels_due%recurs()
     self%gas_open = self%gas_due%recurs()
     if (self%parcels_open) call self%parcels_file%open(folder//'/parcels.vtkhdf', scene%comm, origin, outcome, after)
+    if (outcome%failed()) return
+    if (self%parcels_open) self%walls_open = scene%solids%chamber%n_meshes > 0
+    if (self%walls_open) call self%walls_file%open(folder//'/walls.vtkhdf', scene%comm, origin, outcome, after)
     if (outcome%failed()) return
     if (self%gas_open) call self%gas_file%open(folder//'/gas.vtkhdf', scene%boxes, &
       reshape([scene%mesh%lower, scene%mesh%h], [3, 2]), origin, outcome, after)
@@ -184,6 +190,7 @@ contains
     if (self%parcels_due%is_due(scene%time)) then
       call self%parcels_due%done(scene%time)
       call write_parcels(self%parcels_file, scene%time, scene%solids%parcels, outcome)
+      if (self%walls_open .and. .not. outcome%failed()) call write_walls(self%walls_file, scene%time, scene%solids%chamber, outcome)
     end if
     if (self%gas_due%is_due(scene%time)) then
       call self%gas_due%done(scene%time)
@@ -282,6 +289,33 @@ contains
     end associate
     call file%end_step(outcome)
   end subroutine write_parcels
+
+  subroutine write_walls(file, time, chamber, outcome)
+    type(vtkhdf_walls_t), intent(inout) :: file
+    real(wp), intent(in) :: time  !< [s]
+    type(chamber_t), intent(in) :: chamber
+    type(outcome_t), intent(inout) :: outcome
+
+    real(wp), allocatable :: corners(:,:,:)
+    integer, allocatable :: number(:)
+    integer :: m, t, k
+
+    if (file%steps > 0 .and. .not. chamber%fastest > 0.0_wp) return
+    associate (last => chamber%meshes(chamber%n_meshes))
+      allocate (corners(3, 3, last%before + last%n), number(last%before + last%n))
+    end associate
+    do m = 1, chamber%n_meshes
+      associate (wall => chamber%meshes(m))
+        number(wall%before + 1:wall%before + wall%n) = m
+        do t = 1, wall%n
+          do k = 1, 3
+            corners(:, k, wall%before + t) = wall%place_of(wall%shape(:, k, t))
+          end do
+        end do
+      end associate
+    end do
+    call file%write_step(time, corners, number, outcome)
+  end subroutine write_walls
 
   subroutine write_gas(file, time, gas, outcome)
     type(vtkhdf_gas_t), intent(inout) :: file

@@ -140,7 +140,7 @@ contains
     chamber%periodic = case%domain%periodic
     chamber%gravity = case%domain%gravity
     chamber%face_material = case%contact%wall_material
-    call chamber%add_walls(case%walls)
+    call chamber%add_walls(case%walls, case%surfaces)
     do b = 1, size(case%boundaries)
       associate (boundary => case%boundaries(b))
         covered = faces_covered(case%domain, boundary)
