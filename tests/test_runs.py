@@ -100,6 +100,18 @@ def test_restart_is_exact(geldart, tmp_path, ranks, mode):
     same_results(tmp_path / "whole", tmp_path / "parts")
 
 
+def test_rolling_restarts(geldart, tmp_path):
+    """So are the angles of rolling springs, which are only for runs that have them."""
+    rolling = ("contact%rolling=spring", "contact%rolling_friction=0.1")
+    run(geldart, "whole", until(0.01), *rolling, ranks=2)
+    run(geldart, "parts", until(0.005), *rolling, ranks=2)
+    run(geldart, "parts", until(0.01), *rolling, restart="parts/restart.h5", ranks=2)
+    same_results(tmp_path / "whole", tmp_path / "parts")
+    assert np.abs(state(tmp_path / "whole/restart.h5")["contact_slip"][:, 3:]).max() > 0
+    done = run(geldart, "others", until(0.02), restart="parts/restart.h5", code=2)
+    assert "the restart file is of a run with a rolling spring, or this case is" in done.stderr
+
+
 def test_restart_on_other_ranks(geldart, tmp_path):
     """Written by 2 ranks, continued by 1 and by 3, as by 2."""
     run(geldart, "first", *TIGHT, until(0.004), ranks=2)

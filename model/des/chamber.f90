@@ -37,7 +37,9 @@ module chamber
     procedure :: material_of
     procedure :: materials
     procedure :: distance
+    procedure :: approach
     procedure :: approach_shell
+    procedure :: spin_of
     procedure :: is_beyond
   end type chamber_t
 
@@ -237,6 +239,26 @@ contains
     end if
   end function distance
 
+  !> The way from the nearest point of a wall, not of a mesh, and its length, positive where parcels may be.
+  pure subroutine approach(self, face, x, way, distance)
+    class(chamber_t), intent(in) :: self
+    integer, intent(in) :: face
+    real(wp), intent(in) :: x(3)       !< [m]
+    real(wp), intent(out) :: way(3)    !< [m]
+    real(wp), intent(out) :: distance  !< [m]
+
+    if (face > n_faces + self%n_planes) then
+      call self%approach_shell(face - n_faces - self%n_planes, x, way, distance)
+    else
+      distance = self%distance(face, x)
+      if (face > n_faces) then
+        way = distance*self%planes(face - n_faces)%normal
+      else
+        way = distance*face_normal(face)
+      end if
+    end if
+  end subroutine approach
+
   !> The way from the nearest point of a shell, and its length. A rim shared with another shell is felt once, and only
   !> where neither has a point that is nearer: elsewhere the distance is huge.
   pure subroutine approach_shell(self, s, x, way, distance)
@@ -259,6 +281,23 @@ contains
     if (felt) felt = self%shells(other)%joined(other_end) == s
     if (.not. felt) distance = huge(distance)
   end subroutine approach_shell
+
+  !> Angular velocity of a wall's surface [rad/s].
+  pure function spin_of(self, face) result(spin)
+    class(chamber_t), intent(in) :: self
+    integer, intent(in) :: face
+    real(wp) :: spin(3)
+
+    if (face <= n_faces) then
+      spin = 0.0_wp
+    else if (face <= n_faces + self%n_planes) then
+      spin = self%planes(face - n_faces)%motion%spin
+    else if (face < self%first_triangle()) then
+      spin = self%shells(face - n_faces - self%n_planes)%motion%spin
+    else
+      spin = self%meshes(self%mesh_of(face))%motion%spin
+    end if
+  end function spin_of
 
   !> Whether a parcel is beyond one of the walls within the box, or about to be.
   pure function is_beyond(self, x, radius)

@@ -24,16 +24,20 @@ module close_pairs
 
   type :: close_pairs_t
     logical :: with_history = .false.
+    logical :: with_angles = .false.      !< whether contacts remember how far they have rolled
     logical :: tight = .false.
     integer :: n = 0
     integer, allocatable :: entry(:)      !< (n at least) of the list
     integer, allocatable :: i(:), j(:)    !< (n at least) columns of the parcels
     real(wp), allocatable :: slip(:,:)    !< (4, n + lanes at least) 1:3 tangential slip [m], 4 step of last touch
+    real(wp), allocatable :: angle(:,:)   !< (3, n at least) with the rolling spring: angle rolled [rad]
     real(wp), private :: way_left = 0.0_wp  !< that parcels may go before the pairs are chosen again [m]
   contains
     procedure :: take_all
     procedure :: note_way
     procedure :: keep_close
+    procedure :: memory_of
+    procedure :: remind
   end type close_pairs_t
 
 contains
@@ -57,6 +61,7 @@ contains
     if (.not. self%with_history) return
     self%slip(1:3, 1:self%n + lanes) = 0.0_wp
     self%slip(4, 1:self%n + lanes) = never
+    if (self%with_angles) self%angle(:, 1:self%n) = 0.0_wp
   end subroutine take_all
 
   subroutine reserve(self, pairs)
@@ -67,10 +72,33 @@ contains
       if (size(self%entry) >= pairs) return
       deallocate (self%entry, self%i, self%j)
       if (self%with_history) deallocate (self%slip)
+      if (self%with_angles) deallocate (self%angle)
     end if
     allocate (self%entry(pairs + pairs/8), self%i(pairs + pairs/8), self%j(pairs + pairs/8))
     if (self%with_history) allocate (self%slip(4, pairs + pairs/8 + lanes))
+    if (self%with_angles) allocate (self%angle(3, pairs + pairs/8))
   end subroutine reserve
+
+  !> What a pair remembers beside the step of its last touch: the slip and, if there is one, the angle.
+  pure function memory_of(self, pair) result(memory)
+    class(close_pairs_t), intent(in) :: self
+    integer, intent(in) :: pair
+    real(wp) :: memory(merge(6, 3, self%with_angles))
+
+    memory(1:3) = self%slip(1:3, pair)
+    if (self%with_angles) memory(4:6) = self%angle(:, pair)
+  end function memory_of
+
+  !> Give it back.
+  pure subroutine remind(self, pair, memory, step)
+    class(close_pairs_t), intent(inout) :: self
+    integer, intent(in) :: pair
+    real(wp), intent(in) :: memory(:)  !< as `memory_of`
+    real(wp), intent(in) :: step       !< of the last touch
+
+    self%slip(:, pair) = [memory(1:3), step]
+    if (self%with_angles) self%angle(:, pair) = memory(4:6)
+  end subroutine remind
 
   !> Parcels have gone so far at most.
   elemental subroutine note_way(self, way)
@@ -110,13 +138,14 @@ contains
     real(wp), intent(in) :: gap  !< [m]
 
     integer, allocatable :: old_entry(:)
-    real(wp), allocatable :: old_slip(:,:)
+    real(wp), allocatable :: old_slip(:,:), old_angle(:,:)
     real(wp) :: way(4, block_pairs)
     integer :: before, count, m, n, old_n
 
-    allocate (old_slip(4, 0))
+    allocate (old_slip(4, 0), old_angle(3, 0))
     call move_alloc(self%entry, old_entry)
     if (self%with_history) call move_alloc(self%slip, old_slip)
+    if (self%with_angles) call move_alloc(self%angle, old_angle)
     old_n = self%n
     deallocate (self%i, self%j)
     call reserve(self, list%entries)
@@ -134,13 +163,13 @@ contains
       self%i(m) = list%row(self%entry(m))
       self%j(m) = list%partner(self%entry(m))
     end do
-    if (self%with_history) call give_slips(old_entry(1:old_n), old_slip, self)
+    if (self%with_history) call give_slips(old_entry(1:old_n), old_slip, old_angle, self)
   end subroutine choose
 
-  !> Pairs that were close before keep their slips.
-  pure subroutine give_slips(old_entry, old_slip, self)
+  !> Pairs that were close before keep their slips, and angles.
+  pure subroutine give_slips(old_entry, old_slip, old_angle, self)
     integer, intent(in) :: old_entry(:)
-    real(wp), intent(in) :: old_slip(:,:)
+    real(wp), intent(in) :: old_slip(:,:), old_angle(:,:)
     class(close_pairs_t), intent(inout) :: self
 
     integer :: m, p
@@ -152,8 +181,11 @@ contains
         p = p + 1
       end do
       self%slip(:, m) = [0.0_wp, 0.0_wp, 0.0_wp, never]
+      if (self%with_angles) self%angle(:, m) = 0.0_wp
       if (p > size(old_entry)) cycle
-      if (old_entry(p) == self%entry(m)) self%slip(:, m) = old_slip(:, p)
+      if (old_entry(p) /= self%entry(m)) cycle
+      self%slip(:, m) = old_slip(:, p)
+      if (self%with_angles) self%angle(:, m) = old_angle(:, p)
     end do
     self%slip(1:3, self%n + 1:self%n + lanes) = 0.0_wp
     self%slip(4, self%n + 1:self%n + lanes) = never

@@ -2,7 +2,8 @@
 !>
 !> A record belongs to a parcel of mine; it names the partner by its column as long as that is mine as well, and
 !> by its id otherwise. A pair whose partners are mine has one record; a pair with a ghost has one on either side.
-!> Walls are partners with the id -face, as the chamber numbers them.
+!> Walls are partners with the id -face, as the chamber numbers them. Where contacts have angles rolled, these stand below
+!> the slips: like them they are the opposite as seen from the partner.
 module contact_history
   use close_pairs, only: close_pairs_t
   use contact_list, only: contact_list_t
@@ -15,10 +16,11 @@ module contact_history
 
   type :: history_t
     integer :: n = 0
+    integer :: rows = 3                     !< of a slip; 6 with angles
     integer, allocatable :: own(:)          !< (n at least) column of my parcel
     integer, allocatable :: other(:)        !< column of the partner, 0 if it is not mine
     integer(i8), allocatable :: other_id(:)  !< id of the partner, where `other` is 0
-    real(wp), allocatable :: slip(:,:)      !< (3, n at least) from my parcel to the partner [m]
+    real(wp), allocatable :: slip(:,:)      !< (rows, n at least) from my parcel to the partner, 1:3 [m], 4:6 [rad]
   contains
     procedure :: collect
     procedure :: follow
@@ -53,14 +55,14 @@ contains
       i = pairs%i(k)
       j = pairs%j(k)
       if (j <= parcels%n) then
-        call self%append(i, j, 0_i8, pairs%slip(1:3, k))
+        call self%append(i, j, 0_i8, pairs%memory_of(k))
       else
-        call self%append(i, 0, parcels%id(j), pairs%slip(1:3, k))
+        call self%append(i, 0, parcels%id(j), pairs%memory_of(k))
       end if
     end do
     do w = 1, walls%entries
       if (walls%slip(4, w) < step - 0.5_wp) cycle
-      call self%append(walls%parcel(w), 0, int(-walls%face(w), i8), walls%slip(1:3, w))
+      call self%append(walls%parcel(w), 0, int(-walls%face(w), i8), walls%memory_of(w))
     end do
   end subroutine collect
 
@@ -68,7 +70,7 @@ contains
     class(history_t), intent(inout) :: self
     integer, intent(in) :: own, other
     integer(i8), intent(in) :: other_id
-    real(wp), intent(in) :: slip(3)
+    real(wp), intent(in) :: slip(:)  !< (rows)
 
     if (self%n == size(self%own)) call resize(self, 2*self%n)
     self%n = self%n + 1
@@ -113,18 +115,18 @@ contains
       if (j > 0) then
         k = entry_of(list, min(i, j), max(i, j))
         if (k > 0) then
-          pairs%slip(:, k) = [merge(1.0_wp, -1.0_wp, i < j)*self%slip(:, m), step]
+          call pairs%remind(k, merge(1.0_wp, -1.0_wp, i < j)*self%slip(:, m), step)
         else
           ! A periodic face has come between the two: each now touches the image of the other.
-          call restore_image(list, pairs, parcels, i, parcels%id(j), [self%slip(:, m), step])
-          call restore_image(list, pairs, parcels, j, parcels%id(i), [-self%slip(:, m), step])
+          call restore_image(list, pairs, parcels, i, parcels%id(j), self%slip(:, m), step)
+          call restore_image(list, pairs, parcels, j, parcels%id(i), -self%slip(:, m), step)
         end if
       else if (self%other_id(m) > 0) then
-        call restore_image(list, pairs, parcels, i, self%other_id(m), [self%slip(:, m), step])
+        call restore_image(list, pairs, parcels, i, self%other_id(m), self%slip(:, m), step)
       else
         w = first_wall(i)
         do while (w > 0)
-          if (walls%face(w) == -self%other_id(m)) walls%slip(:, w) = [self%slip(:, m), step]
+          if (walls%face(w) == -self%other_id(m)) call walls%remind(w, self%slip(:, m), step)
           w = next_wall(w)
         end do
       end if
@@ -144,18 +146,19 @@ contains
   end function entry_of
 
   !> Give a slip to the entry of row i whose partner has the given id.
-  pure subroutine restore_image(list, pairs, parcels, i, id, slip)
+  pure subroutine restore_image(list, pairs, parcels, i, id, slip, step)
     type(contact_list_t), intent(in) :: list
     type(close_pairs_t), intent(inout) :: pairs
     type(parcels_t), intent(in) :: parcels
     integer, intent(in) :: i
     integer(i8), intent(in) :: id
-    real(wp), intent(in) :: slip(4)
+    real(wp), intent(in) :: slip(:)  !< (rows)
+    real(wp), intent(in) :: step
 
     integer :: k
 
     do k = list%first(i), list%first(i + 1) - 1
-      if (parcels%id(list%partner(k)) == id) pairs%slip(:, k) = slip
+      if (parcels%id(list%partner(k)) == id) call pairs%remind(k, slip, step)
     end do
   end subroutine restore_image
 
@@ -167,7 +170,7 @@ contains
     integer :: n
 
     n = self%n
-    allocate (larger%own(capacity), larger%other(capacity), larger%other_id(capacity), larger%slip(3, capacity))
+    allocate (larger%own(capacity), larger%other(capacity), larger%other_id(capacity), larger%slip(self%rows, capacity))
     if (n > 0) then
       larger%own(1:n) = self%own(1:n)
       larger%other(1:n) = self%other(1:n)

@@ -1,11 +1,14 @@
 !> The law of contacts of one pair of materials, as the case chose it. It is asked for a block of pairs at a time, so
 !> that the choice costs nothing.
 module contact_law
+  use cohesion, only: cohesion_t
+  use constants, only: pi
   use contact_hertz, only: hertz_t, new_hertz, hertz_friction_forces, hertz_frictionless_forces
   use contact_linear, only: linear_t, new_linear, linear_friction_forces, linear_frictionless_forces
   use contact_pairs, only: pair_t
   use contact_settings, only: contact_settings_t
   use kinds, only: wp
+  use rolling, only: rolling_t
   implicit none
   private
   public :: contact_law_t, new_law, friction_forces, frictionless_forces
@@ -15,6 +18,8 @@ module contact_law
     type(linear_t) :: linear
     type(hertz_t) :: hertz
     real(wp) :: mu = 0.0_wp          !< Coulomb friction [-]
+    type(rolling_t) :: rolling       !< resistance to rolling, if there is any
+    type(cohesion_t) :: cohesion     !< attraction, if there is any
   contains
     procedure :: set_step
     procedure :: contact_time
@@ -35,7 +40,45 @@ contains
     else
       law%linear = new_linear(pair%stiffness, pair%tangential_ratio, pair%restitution, pair%tangential_damping_ratio, law%mu)
     end if
+    law%rolling = rolling_of(settings, pair%rolling_friction, law)
+    law%cohesion = cohesion_of(settings, pair%hamaker_constant, pair%cohesion_energy)
   end function new_law
+
+  !> Resistance to rolling beside a law that is complete but for it.
+  pure function rolling_of(settings, mu, law) result(rolling)
+    type(contact_settings_t), intent(in) :: settings
+    real(wp), intent(in) :: mu  !< rolling friction [-]
+    type(contact_law_t), intent(in) :: law
+    type(rolling_t) :: rolling
+
+    if (settings%rolling == 'none') return
+    rolling%on = mu > 0.0_wp
+    rolling%spring = settings%rolling == 'spring'
+    rolling%hertzian = law%hertzian
+    rolling%mu = mu
+    rolling%damping = settings%rolling_damping
+    rolling%stiffness = merge(law%hertz%modulus, law%linear%k_n, law%hertzian)
+  end function rolling_of
+
+  pure function cohesion_of(settings, hamaker, energy) result(cohesion)
+    type(contact_settings_t), intent(in) :: settings
+    real(wp), intent(in) :: hamaker  !< [J]
+    real(wp), intent(in) :: energy   !< [J/m3]
+    type(cohesion_t) :: cohesion
+
+    select case (settings%cohesion)
+    case ('van_der_waals')
+      cohesion%on = hamaker > 0.0_wp
+      cohesion%van_der_waals = .true.
+      cohesion%strength = hamaker/6
+      cohesion%nearest = settings%minimum_separation
+      cohesion%reach = settings%maximum_separation
+    case ('linear')
+      cohesion%on = energy > 0.0_wp
+      cohesion%strength = pi*energy
+    case default
+    end select
+  end function cohesion_of
 
   !> The length of the steps that follow, and the number of the next.
   pure subroutine set_step(self, dt, step)
@@ -49,7 +92,7 @@ contains
     self%hertz%step = step
   end subroutine set_step
 
-  !> Time a collision takes [s].
+  !> Time a collision takes, or half a swing of the rolling spring if that is shorter [s].
   pure function contact_time(self, effective_mass, effective_radius, speed) result(time)
     class(contact_law_t), intent(in) :: self
     real(wp), intent(in) :: effective_mass    !< [kg]
@@ -62,6 +105,7 @@ contains
     else
       time = self%linear%contact_time(effective_mass)
     end if
+    time = time/self%rolling%hurry()
   end function contact_time
 
   !> Forces of n touching pairs with friction, n a multiple of `lanes`: see `linear_friction_forces`.

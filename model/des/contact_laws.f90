@@ -21,6 +21,7 @@ module contact_laws
     procedure :: materials
     procedure :: set_step
     procedure :: contact_time
+    procedure :: swing_time
     procedure :: of_pair
     procedure :: of_wall
   end type contact_laws_t
@@ -164,5 +165,14 @@ contains
       end do
     end do
   end function contact_time
+
+  !> Half the shortest swing by attraction [s].
+  pure function swing_time(self, ratio) result(time)
+    class(contact_laws_t), intent(in) :: self
+    real(wp), intent(in) :: ratio  !< largest r/m of all parcels [m/kg]
+    real(wp) :: time
+
+    time = min(minval(self%pair%cohesion%time(ratio)), minval(self%wall%cohesion%time(ratio)))
+  end function swing_time
 
 end module contact_laws

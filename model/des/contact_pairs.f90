@@ -9,6 +9,8 @@
 !>
 !> The geometric means are those of LAMMPS (pair_style granular, section Mixing). Neither has a theory; who knows the pair gives it.
 !>
+!> Rolling friction and cohesion are those of &contact for all materials, and `wall_` for all walls.
+!>
 !> A material's property that is not given is that of &contact. Material 0 is that of &contact; a wall of material 0 has no
 !> properties of its own: it is as the parcel that touches it, where &contact does not say otherwise.
 module contact_pairs
@@ -29,6 +31,9 @@ module contact_pairs
     real(wp) :: friction                  !< mu [-]
     real(wp) :: tangential_ratio          !< linear: k_t/k_n [-]
     real(wp) :: tangential_damping_ratio  !< gamma_t/gamma_n [-]
+    real(wp) :: rolling_friction          !< mu_r [-]
+    real(wp) :: hamaker_constant          !< [J]
+    real(wp) :: cohesion_energy           !< [J/m3]
   end type pair_t
 
 contains
@@ -51,6 +56,9 @@ contains
     pair%friction = sqrt(one%friction*other%friction)
     pair%tangential_ratio = contact%tangential_ratio
     pair%tangential_damping_ratio = contact%tangential_damping_ratio
+    pair%rolling_friction = contact%rolling_friction
+    pair%hamaker_constant = contact%hamaker_constant
+    pair%cohesion_energy = contact%cohesion_energy
     if (allocated(contact%pairs)) then
       do i = 1, size(contact%pairs)
         associate (given => contact%pairs(i))
@@ -76,18 +84,21 @@ contains
 
     if (b > 0) then
       pair = pair_of(contact, a, b)
-      return
+    else
+      one = properties(contact, a)
+      pair%one = elastic_t(one%youngs_modulus, one%poisson_ratio)
+      pair%other = elastic_t(first_set(contact%wall_youngs_modulus, one%youngs_modulus), &
+                             first_set(contact%wall_poisson_ratio, one%poisson_ratio))
+      pair%stiffness = first_set(contact%wall_stiffness, one%stiffness)
+      pair%restitution = first_set(contact%wall_restitution, one%restitution)
+      pair%friction = first_set(contact%wall_friction, one%friction)
+      pair%tangential_ratio = contact%tangential_ratio
+      pair%tangential_damping_ratio = contact%tangential_damping_ratio
+      call scale_pair(contact, pair)
     end if
-    one = properties(contact, a)
-    pair%one = elastic_t(one%youngs_modulus, one%poisson_ratio)
-    pair%other = elastic_t(first_set(contact%wall_youngs_modulus, one%youngs_modulus), &
-                           first_set(contact%wall_poisson_ratio, one%poisson_ratio))
-    pair%stiffness = first_set(contact%wall_stiffness, one%stiffness)
-    pair%restitution = first_set(contact%wall_restitution, one%restitution)
-    pair%friction = first_set(contact%wall_friction, one%friction)
-    pair%tangential_ratio = contact%tangential_ratio
-    pair%tangential_damping_ratio = contact%tangential_damping_ratio
-    call scale_pair(contact, pair)
+    pair%rolling_friction = first_set(contact%wall_rolling_friction, contact%rolling_friction)
+    pair%hamaker_constant = first_set(contact%wall_hamaker_constant, contact%hamaker_constant)
+    pair%cohesion_energy = first_set(contact%wall_cohesion_energy, contact%cohesion_energy)
   end function wall_pair_of
 
   !> All properties of a material: its own, or those of &contact.
@@ -148,10 +159,11 @@ contains
 
   pure function numbers(pair)
     type(pair_t), intent(in) :: pair
-    real(wp) :: numbers(9)
+    real(wp) :: numbers(12)
 
     numbers = [pair%stiffness, pair%one%modulus, pair%one%poisson, pair%other%modulus, pair%other%poisson, pair%restitution, &
-               pair%friction, pair%tangential_ratio, pair%tangential_damping_ratio]
+               pair%friction, pair%tangential_ratio, pair%tangential_damping_ratio, pair%rolling_friction, pair%hamaker_constant, &
+               pair%cohesion_energy]
   end function numbers
 
 end module contact_pairs

@@ -48,6 +48,7 @@ contains
         end do
       end associate
       parts(c)%pairs%with_history = pairs%with_history
+      parts(c)%pairs%with_angles = pairs%with_angles
       call parts(c)%pairs%take_all(parts(c)%list)
       if (.not. pairs%with_history) cycle
       n = 0
@@ -55,6 +56,7 @@ contains
         if (number(k) /= c) cycle
         n = n + 1
         parts(c)%pairs%slip(:, n) = pairs%slip(:, k)
+        if (pairs%with_angles) parts(c)%pairs%angle(:, n) = pairs%angle(:, k)
       end do
     end do
   end subroutine deal
@@ -86,12 +88,15 @@ contains
     pairs%with_history = any(parts%pairs%with_history)
     allocate (pairs%entry(n), pairs%i(n), pairs%j(n))
     pairs%entry = 0
+    pairs%with_angles = any(parts%pairs%with_angles)
     if (pairs%with_history) allocate (pairs%slip(4, n + lanes))
+    if (pairs%with_angles) allocate (pairs%angle(3, n))
     do c = 1, size(parts)
       associate (part => parts(c)%pairs, before => pairs%n)
         pairs%i(before + 1:before + part%n) = part%i(1:part%n)
         pairs%j(before + 1:before + part%n) = part%j(1:part%n)
         if (pairs%with_history) pairs%slip(:, before + 1:before + part%n) = part%slip(:, 1:part%n)
+        if (pairs%with_angles) pairs%angle(:, before + 1:before + part%n) = part%angle(:, 1:part%n)
         pairs%n = before + part%n
       end associate
     end do

@@ -9,6 +9,8 @@ module contact_settings
   private
   public :: contact_settings_t, declare_contact
 
+  real(wp), parameter :: largest_cohesion = 0.1_wp  !< over the effective modulus: 6 % of R overlap at rest
+
   type :: contact_settings_t
     character(len=word_length) :: law = 'linear'      !< or 'hertz'
     real(wp) :: stiffness = unset                     !< linear: normal, k_n [N/m]
@@ -24,6 +26,18 @@ module contact_settings
     real(wp) :: wall_stiffness = unset                !< k_n against walls [N/m]; unset: as parcels
     real(wp) :: wall_restitution = unset              !< e_n against walls [-]; unset: as parcels
     real(wp) :: wall_friction = unset                 !< mu against walls [-]; unset: as parcels
+    character(len=word_length) :: rolling = 'none'    !< or 'constant_torque', 'spring': see rolling
+    real(wp) :: rolling_friction = unset              !< mu_r [-]
+    real(wp) :: rolling_damping = 0.3_wp              !< spring: of its critical damping, eta [-]
+    real(wp) :: wall_rolling_friction = unset         !< mu_r against walls [-]; unset: as parcels
+    character(len=word_length) :: cohesion = 'none'   !< or 'van_der_waals', 'linear': see cohesion
+    real(wp) :: hamaker_constant = unset              !< A [J]
+    real(wp) :: wall_hamaker_constant = unset         !< A of parcel and wall [J]; unset: as parcels
+    real(wp) :: minimum_separation = unset            !< h_min [m]
+    real(wp) :: maximum_separation = unset            !< h_max [m]
+    real(wp) :: cohesion_energy = unset               !< k [J/m3]
+    real(wp) :: wall_cohesion_energy = unset          !< k of parcel and wall [J/m3]; unset: as parcels
+    character(len=word_length) :: cohesion_scaling = 'none'     !< or 'bond_number': see coarse_graining
     character(len=word_length) :: stiffness_scaling = 'none'    !< or 'constant_modulus': see coarse_graining
     character(len=word_length) :: restitution_scaling = 'none'  !< or 'dissipation'
     real(wp) :: coarseness = unset                    !< with scaling: width of a parcel over its particle's [-]
@@ -58,6 +72,8 @@ contains
                   '(0, inf)')
     call keys%get('wall_restitution', settings%wall_restitution, 'the same against walls; as parcels if not given [-]', '[0.01, 1]')
     call keys%get('wall_friction', settings%wall_friction, 'the same against walls; as parcels if not given [-]', '[0, 10]')
+    call declare_rolling(settings, keys)
+    call declare_cohesion(settings, keys)
     call keys%get('stiffness_scaling', settings%stiffness_scaling, 'stiffness of parcels: none: as given; '// &
                   'constant_modulus: as given times their width over that of their particles', 'none | constant_modulus')
     call keys%get('restitution_scaling', settings%restitution_scaling, 'restitution of parcels: none: as given; '// &
@@ -67,6 +83,78 @@ contains
     call keys%require(settings%friction > 0 .or. .not. settings%wall_friction > 0, 'wall_friction', &
                       'needs friction between parcels, too: parcels without friction do not rotate')
   end subroutine declare_contact
+
+  !> Keys of the resistance to rolling.
+  subroutine declare_rolling(settings, keys)
+    type(contact_settings_t), intent(inout) :: settings
+    type(keys_t), intent(inout) :: keys
+
+    logical :: on
+
+    call keys%get('rolling', settings%rolling, 'resistance to rolling: a constant torque against it, or a spring with a limit', &
+                  'none | constant_torque | spring')
+    on = settings%rolling == 'constant_torque' .or. settings%rolling == 'spring'
+    call keys%get('rolling_friction', settings%rolling_friction, 'largest rolling torque over normal force and '// &
+                  'r_i r_j/(r_i + r_j), mu_r [-]', '(0, 10]', required=on, when='with rolling')
+    call keys%get('rolling_damping', settings%rolling_damping, 'spring: its damping over the critical one [-]', '[0, 1]')
+    call keys%get('wall_rolling_friction', settings%wall_rolling_friction, 'mu_r against walls; as parcels if not given [-]', &
+                  '[0, 10]')
+    call keys%require(settings%friction > 0 .or. allocated(settings%materials) .or. .not. on, 'rolling', &
+                      'needs friction: parcels without it do not rotate')
+    call keys%require(on .or. settings%rolling /= 'none' .or. .not. is_set(settings%rolling_friction), 'rolling_friction', &
+                      'belongs to rolling = ''constant_torque'' or ''spring''')
+  end subroutine declare_rolling
+
+  !> Keys of the attraction.
+  subroutine declare_cohesion(settings, keys)
+    type(contact_settings_t), intent(inout) :: settings
+    type(keys_t), intent(inout) :: keys
+
+    logical :: van_der_waals, linear
+
+    call keys%get('cohesion', settings%cohesion, 'attraction: van der Waals'', between near surfaces; linear: by area of '// &
+                  'contact', 'none | van_der_waals | linear')
+    van_der_waals = settings%cohesion == 'van_der_waals'
+    linear = settings%cohesion == 'linear'
+    call keys%get('hamaker_constant', settings%hamaker_constant, 'van der Waals: Hamaker''s constant [J]', '(0, inf)', &
+                  required=van_der_waals, when='for van_der_waals')
+    call keys%get('wall_hamaker_constant', settings%wall_hamaker_constant, 'of parcels and walls; as parcels if not given [J]', &
+                  '[0, inf)')
+    call keys%get('minimum_separation', settings%minimum_separation, 'van der Waals: gap from which on, touching included, '// &
+                  'the attraction grows no more [m]', '(0, inf)', required=van_der_waals, when='for van_der_waals')
+    call keys%get('maximum_separation', settings%maximum_separation, 'van der Waals: gap from which on there is none [m]', &
+                  '(0, inf)', required=van_der_waals, when='for van_der_waals')
+    call keys%get('cohesion_energy', settings%cohesion_energy, 'linear: attraction over area of contact [J/m3]', '(0, inf)', &
+                  required=linear, when='for linear')
+    call keys%get('wall_cohesion_energy', settings%wall_cohesion_energy, 'the same against walls; as parcels if not given '// &
+                  '[J/m3]', '[0, inf)')
+    call keys%get('cohesion_scaling', settings%cohesion_scaling, 'attraction of parcels: none: as given; bond_number: over '// &
+                  'their weight as that of their particles', 'none | bond_number')
+    call keys%require(.not. linear .or. settings%law == 'hertz', 'cohesion', 'needs law = ''hertz'': beside a linear spring '// &
+                      'an attraction by area would be no more than a softer spring')
+    call check_cohesion(settings, van_der_waals, linear, keys)
+  end subroutine declare_cohesion
+
+  subroutine check_cohesion(settings, van_der_waals, linear, keys)
+    type(contact_settings_t), intent(in) :: settings
+    logical, intent(in) :: van_der_waals, linear
+    type(keys_t), intent(inout) :: keys
+
+    real(wp) :: modulus
+
+    call keys%require(van_der_waals .or. .not. is_set(settings%hamaker_constant), 'hamaker_constant', &
+                      'belongs to cohesion = ''van_der_waals''')
+    call keys%require(linear .or. .not. is_set(settings%cohesion_energy), 'cohesion_energy', 'belongs to cohesion = ''linear''')
+    if (van_der_waals .and. is_set(settings%minimum_separation) .and. is_set(settings%maximum_separation)) then
+      call keys%require(settings%maximum_separation > settings%minimum_separation, 'maximum_separation', &
+                        'must be more than minimum_separation')
+    end if
+    if (.not. (linear .and. is_set(settings%cohesion_energy) .and. is_set(settings%youngs_modulus) .and. &
+               is_set(settings%poisson_ratio))) return
+    modulus = settings%youngs_modulus/(2*(1 - settings%poisson_ratio**2))
+    call keys%require(settings%cohesion_energy <= largest_cohesion*modulus, 'cohesion_energy', 'draws parcels into each '// &
+                      'other: at most a tenth of the effective modulus, E/(2 (1 - nu^2))')
+  end subroutine check_cohesion
 
   !> The material of walls, which takes the place of what else is said of them.
   subroutine declare_wall_material(settings, keys)

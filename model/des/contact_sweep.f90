@@ -8,6 +8,8 @@ module contact_sweep
   use contact_lanes, only: lanes
   use contact_law, only: contact_law_t, friction_forces, frictionless_forces
   use kinds, only: wp
+  use parcels, only: mass_row, spin_row, curvature_row
+  use rolling, only: rolling_torques
   implicit none
   private
   public :: sweep_friction, sweep_frictionless
@@ -35,7 +37,8 @@ contains
     real(wp), intent(inout) :: force(8, *)   !< 1:3 force, 5:7 torque over radius [N]
 
     type(block_t) :: block
-    real(wp) :: spin(4, block_pairs), slip(4, block_pairs), forces(8, block_pairs)
+    real(wp) :: spin(4, block_pairs), slip(4, block_pairs), angle(3, block_pairs), torque(3, block_pairs)
+    real(wp) :: forces(8, block_pairs)
     integer :: next
 
     next = 1
@@ -44,6 +47,7 @@ contains
         call take_block(pairs, next, block)
         call gather_pairs(16, state, block)
         call gather_spins(state, block, spin)
+        if (law%rolling%spring) call gather_angles(law, pairs, next, block, angle)
         associate (slips => pairs%slip(:, next:next + padded(block%n) - 1))
           call friction_forces(law, padded(block%n), block%pair, spin, slips, forces)
           call unmark(block, slips)
@@ -54,12 +58,100 @@ contains
         call gather_pairs(16, state, block)
         call gather_spins(state, block, spin)
         call gather_slips(pairs%slip, block, slip)
+        if (law%rolling%spring) call gather_angles(law, pairs, 0, block, angle)
         call friction_forces(law, padded(block%n), block%pair, spin, slip, forces)
         call scatter_slips(slip, block, pairs%slip)
       end if
-      call scatter_friction(forces, block, force)
+      if (law%rolling%on) then
+        call roll_pairs(law, state, block, forces, angle, torque)
+        call scatter_rolling(state, forces, torque, block, force)
+        if (law%rolling%spring) call scatter_angles(angle, block, pairs%angle)
+      else
+        call scatter_friction(forces, block, force)
+      end if
     end do
   end subroutine sweep_friction
+
+  !> How far the pairs have rolled, before the law marks that they touch.
+  pure subroutine gather_angles(law, pairs, first, block, angle)
+    type(contact_law_t), intent(in) :: law
+    type(close_pairs_t), intent(in) :: pairs
+    integer, intent(in) :: first            !< place of the block; 0: its places are known
+    type(block_t), intent(inout) :: block
+    real(wp), intent(inout) :: angle(3, block_pairs)
+
+    integer :: m, k
+
+    do m = 1, block%n
+      if (first > 0) block%k(m) = first + m - 1
+      k = block%k(m)
+      angle(:, m) = merge(pairs%angle(:, k), 0.0_wp, pairs%slip(4, k) >= law%linear%step - 1.5_wp)
+    end do
+  end subroutine gather_angles
+
+  !> Torques of pairs that resist rolling.
+  pure subroutine roll_pairs(law, state, block, forces, angle, torque)
+    type(contact_law_t), intent(in) :: law
+    real(wp), intent(in) :: state(16, *)
+    type(block_t), intent(in) :: block
+    real(wp), intent(in) :: forces(8, block_pairs)
+    real(wp), intent(inout) :: angle(3, block_pairs), torque(3, block_pairs)
+
+    real(wp) :: turn(5, block_pairs), push(3, block_pairs), per_r(2)
+    integer :: m, i, j
+
+    do m = 1, block%n
+      i = block%i(m)
+      j = block%j(m)
+      per_r = [state(curvature_row, i), state(curvature_row, j)]
+      turn(1:3, m) = per_r(1)*state(spin_row:spin_row + 2, i) - per_r(2)*state(spin_row:spin_row + 2, j)
+      turn(4, m) = per_r(1) + per_r(2)
+      turn(5, m) = state(mass_row, i)*per_r(1)**2 + state(mass_row, j)*per_r(2)**2
+      push(:, m) = block%touch(m)*forces(1:3, m)
+    end do
+    do m = block%n + 1, padded(block%n)
+      turn(:, m) = turn(:, block%n)
+      push(:, m) = 0.0_wp
+      angle(:, m) = 0.0_wp
+    end do
+    call rolling_torques(law%rolling, law%linear%dt, padded(block%n), block%pair, turn, push, angle, torque)
+  end subroutine roll_pairs
+
+  !> As `scatter_friction`, with the torques against rolling, which are opposite on the two. What a pair does is added at once,
+  !> so that sums do not depend on where blocks end.
+  pure subroutine scatter_rolling(state, forces, torque, block, force)
+    real(wp), intent(in) :: state(16, *)
+    real(wp), intent(in) :: forces(8, block_pairs), torque(3, block_pairs)
+    type(block_t), intent(in) :: block
+    real(wp), intent(inout) :: force(8, *)
+
+    real(wp) :: share(8)
+    integer :: m, i, j
+
+    do m = 1, block%n
+      i = block%i(m)
+      j = block%j(m)
+      share = block%touch(m)*forces(:, m)
+      share(5:7) = share(5:7) + state(curvature_row, i)*torque(:, m)
+      force(1:8, i) = force(1:8, i) + share
+      share = block%touch(m)*reaction*forces(:, m)
+      share(5:7) = share(5:7) - state(curvature_row, j)*torque(:, m)
+      force(1:8, j) = force(1:8, j) + share
+    end do
+  end subroutine scatter_rolling
+
+  !> Those of pairs that do not touch count nothing, as their slips have no mark.
+  pure subroutine scatter_angles(angle, block, angles)
+    real(wp), intent(in) :: angle(3, block_pairs)
+    type(block_t), intent(in) :: block
+    real(wp), intent(inout) :: angles(3, *)
+
+    integer :: m
+
+    do m = 1, block%n
+      angles(:, block%k(m)) = angle(:, m)
+    end do
+  end subroutine scatter_angles
 
   !> Add the forces of all pairs that touch, without friction.
   subroutine sweep_frictionless(law, pairs, state, force)

@@ -78,12 +78,14 @@ contains
     end do
   end function is_least
 
-  !> A contact that is on another triangle than in the step before keeps its slip: it is the one whose direction was nearest.
-  pure subroutine hand_over(step, gap, chosen, slip)
+  !> A contact that is on another triangle than in the step before keeps its slip, and angle: it is the one whose direction was
+  !> nearest.
+  pure subroutine hand_over(step, gap, chosen, slip, angle)
     real(wp), intent(in) :: step          !< number of this step
     real(wp), intent(in) :: gap(:,:)      !< (4,k), see find_contacts
     integer, intent(in) :: chosen(:)      !< triangles that have a contact
     real(wp), intent(inout) :: slip(:,:)  !< (4,k) 1:3 slip [m], 4 step of the last touch
+    real(wp), intent(inout), optional :: angle(:,:)  !< (3,k) angle rolled, where there is a rolling spring [rad]
 
     real(wp) :: likeness(size(slip, 2))
     logical :: free(size(slip, 2))
@@ -100,6 +102,7 @@ contains
       if (k == 0) return
       if (likeness(k) < continued) cycle
       slip(:, c) = slip(:, k)
+      if (present(angle)) angle(:, c) = angle(:, k)
       slip(4, k) = 0.0_wp
       free(k) = .false.
     end do

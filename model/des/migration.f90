@@ -48,6 +48,7 @@ contains
 
     all = history
     call history%clear()
+    leaving%rows = history%rows
     call leaving%clear()
     do m = 1, all%n
       i = all%own(m)
@@ -67,7 +68,7 @@ contains
     subroutine hand_over(to, id, slip)
       integer, intent(in) :: to
       integer(i8), intent(in) :: id
-      real(wp), intent(in) :: slip(3)
+      real(wp), intent(in) :: slip(:)
 
       if (to > 0) call history%append(to, 0, id, slip)
       if (to < 0) call leaving%append(-to, 0, id, slip)
@@ -119,7 +120,7 @@ contains
 
     order = by_owner(leaving%own(1:leaving%n), size(destination))
     call route%set(comm, destination(leaving%own(order)))
-    allocate (slip_in(3, route%n_received), id_in(1, route%n_received))
+    allocate (slip_in(history%rows, route%n_received), id_in(1, route%n_received))
     call route%send(leaving%slip(:, order), slip_in)
     call route%send(reshape(leaving%other_id(order), [1, leaving%n]), id_in)
     r = 0

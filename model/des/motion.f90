@@ -13,7 +13,7 @@ module motion
   use parcels, only: parcels_t, coupled_rows, frictional_rows
   implicit none
   private
-  public :: add_lead, take_lead, drift, kick_and_drift
+  public :: add_lead, take_lead, drift, kick_and_drift, farthest
 
   real(wp), parameter :: per_inertia = 2.5_wp  !< W m r^2 / I of a sphere [-]
 
@@ -128,5 +128,20 @@ contains
       energy = energy + square
     end do
   end subroutine move
+
+  !> The longest way any of my parcels has gone since the lists were made [m].
+  pure function farthest(parcels)
+    type(parcels_t), intent(in) :: parcels
+    real(wp) :: farthest
+
+    real(wp) :: square
+    integer :: i
+
+    square = 0.0_wp
+    do i = 1, parcels%n
+      square = max(square, sum((parcels%state(1:3, i) - parcels%built(:, i))**2))
+    end do
+    farthest = sqrt(square)
+  end function farthest
 
 end module motion

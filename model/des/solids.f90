@@ -6,6 +6,7 @@
 !> their places, sorts them in space and gives the contacts their slips back.
 module solids
   use close_pairs, only: close_pairs_t
+  use cohesion_sweep, only: attract_pairs, attract_walls
   use communicator, only: communicator_t
   use contact_history, only: history_t
   use contact_laws, only: contact_laws_t, new_contact_laws
@@ -17,7 +18,7 @@ module solids
   use ghosts, only: ghosts_t
   use kinds, only: wp, i8
   use migration, only: migrate, nowhere
-  use motion, only: add_lead, take_lead, drift, kick_and_drift
+  use motion, only: add_lead, take_lead, drift, kick_and_drift, farthest
   use neighbours, only: search_t
   use outcome, only: outcome_t
   use parcel_extremes, only: widen_extremes
@@ -53,9 +54,11 @@ module solids
     type(search_t) :: search
     real(wp) :: tile_width = 0.0_wp      !< least width asked for [m]
     real(wp) :: skin = 0.0_wp            !< [m]
+    real(wp) :: reach = 0.0_wp           !< of the attraction, from surface to surface [m]
     real(wp) :: range = 0.0_wp           !< largest distance of the centres of a listed pair [m]
     real(wp) :: smallest_radius = huge(1.0_wp), largest_radius = 0.0_wp  !< on all ranks [m]
     real(wp), allocatable :: lightest(:), smallest(:)  !< (0:M) mass [kg] and radius [m] of a parcel of each material, on all ranks
+    real(wp) :: largest_ratio = 0.0_wp   !< of radius over mass of a parcel, on all ranks [m/kg]
     real(wp) :: time = 0.0_wp            !< [s]
     real(wp) :: step = 0.0_wp            !< steps done; a real, as the slips keep it
     real(wp) :: travelled = 0.0_wp       !< at most, by any parcel since the lists were made [m]
@@ -100,6 +103,10 @@ contains
     allocate (self%lightest(0:self%laws%materials()), self%smallest(0:self%laws%materials()), source=huge(1.0_wp))
     self%pairs%with_history = self%laws%friction
     self%walls%with_history = self%laws%friction
+    self%pairs%with_angles = any(self%laws%pair%rolling%spring) .or. any(self%laws%wall%rolling%spring)
+    self%walls%with_angles = self%pairs%with_angles
+    if (self%pairs%with_angles) self%history%rows = 6
+    self%reach = max(0.0_wp, maxval(self%laws%pair%cohesion%reach), maxval(self%laws%wall%cohesion%reach))
     call self%parcels%create(self%laws%friction, with_gas)
     call self%history%clear()
   end subroutine create
@@ -162,11 +169,12 @@ contains
 
     real(wp) :: width
 
-    call widen_extremes(self%comm, self%laws, self%parcels, self%largest_radius, self%smallest, self%lightest)
+    call widen_extremes(self%comm, self%laws, self%parcels, self%largest_radius, self%largest_ratio, self%smallest, &
+                        self%lightest)
     if (.not. self%largest_radius > 0.0_wp) return
     self%smallest_radius = minval(self%smallest)
     self%skin = given(self%numerics%skin, automatic_skin*typical_width(self))
-    self%range = 2*self%largest_radius + self%skin
+    self%range = 2*self%largest_radius + self%skin + self%reach
     call self%search%set_levels(self%smallest_radius, self%largest_radius)
     width = max(self%tile_width, self%range)
     if (allocated(self%tiles%owner)) then
@@ -185,8 +193,9 @@ contains
     width = 2*sqrt(self%smallest_radius*self%largest_radius)
   end function typical_width
 
-  !> The longest solids step, from the shortest collision of any two parcels or of one and a wall [s]. That of Hertz's
-  !> law goes with the fifth root of the speed, for which `impact_velocity` stands unless a higher one is given.
+  !> The longest solids step, from the shortest collision, or swing by attraction, of any two parcels or of one and a wall [s].
+  !> The collision of Hertz's law goes with the fifth root of the speed, for which `impact_velocity` stands unless a higher one is
+  !> given.
   function time_step_limit(self, speed) result(dt)
     class(solids_t), intent(in) :: self
     real(wp), intent(in), optional :: speed  !< of an approach [m/s]
@@ -199,7 +208,8 @@ contains
     else
       fastest = self%contact%impact_velocity
       if (present(speed)) fastest = max(fastest, speed)
-      dt = self%laws%contact_time(self%lightest, self%smallest, fastest)/self%numerics%steps_per_collision
+      dt = min(self%laws%contact_time(self%lightest, self%smallest, fastest), self%laws%swing_time(self%largest_ratio)) &
+           /self%numerics%steps_per_collision
     end if
   end function time_step_limit
 
@@ -277,6 +287,13 @@ contains
     end if
     self%walls%step = self%step
     call self%walls%sweep(self%chamber, self%laws, self%parcels)
+    associate (pair => self%laws%pair(1)%cohesion)  ! the same of all
+      if (pair%on) call attract_pairs(pair, self%list, self%parcels)
+    end associate
+    if (size(self%laws%wall) == 0) return
+    associate (wall => self%laws%wall(1)%cohesion)
+      if (wall%on) call attract_walls(wall, self%chamber, self%walls, self%parcels)
+    end associate
   end subroutine find_forces
 
   !> After a drift: make new lists if some parcel or wall may have gone half the skin, else refresh the ghosts.
@@ -309,21 +326,6 @@ contains
       call self%ghosts%refresh(self%parcels)
     end if
   end subroutine keep_neighbours
-
-  !> The longest way any of my parcels has gone since the lists were made [m].
-  pure function farthest(parcels)
-    type(parcels_t), intent(in) :: parcels
-    real(wp) :: farthest
-
-    real(wp) :: square
-    integer :: i
-
-    square = 0.0_wp
-    do i = 1, parcels%n
-      square = max(square, sum((parcels%state(1:3, i) - parcels%built(:, i))**2))
-    end do
-    farthest = sqrt(square)
-  end function farthest
 
   !> Take the slips out of the present lists.
   subroutine keep_history(self)
@@ -372,14 +374,14 @@ contains
     if (outcome%failed()) return
     call settle_owners(self)
     allocate (order(self%parcels%n), place(self%parcels%n))
-    call self%search%sort_own(self%parcels, self%skin, order)
+    call self%search%sort_own(self%parcels, self%skin + self%reach, order)
     call self%parcels%reorder(order)
     place(order) = [(i, i=1, size(order))]
     call self%history%follow(place)
     call self%ghosts%invite(self%tiles, self%range, self%parcels, with_powder=allocated(self%parts))
-    call self%search%build(self%parcels, self%skin, self%list)
+    call self%search%build(self%parcels, self%skin + self%reach, self%list)
     call self%pairs%take_all(self%list)
-    call self%walls%build(self%chamber, self%parcels, 0.5_wp*self%skin)
+    call self%walls%build(self%chamber, self%parcels, 0.5_wp*self%skin + self%reach)
     if (self%parcels%rotation) call self%history%restore(self%list, self%pairs, self%walls, self%parcels, self%step)
     if (allocated(self%parts)) then
       call deal(self%list, self%pairs, self%laws, self%parcels%powder(1:self%parcels%n_all()), self%parts)

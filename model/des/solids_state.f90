@@ -15,13 +15,13 @@ module solids_state
   private
   public :: solids_state_t, export_state, import_state, n_scalars, n_counts, parcel_rows
 
-  integer, parameter :: n_scalars = 9, n_counts = 4
+  integer, parameter :: n_scalars = 10, n_counts = 4
   integer, parameter :: plain_rows = 22
 
   type :: solids_state_t
     ! Of the whole run, the same on all ranks.
     !> time [s], step, travelled [m], mass added, mass left [kg], largest and smallest radius [m], smallest mass of
-    !> a parcel [kg], listed at [s]: the components of solids of these names
+    !> a parcel [kg], listed at [s], largest radius over mass [m/kg]: the components of solids of these names
     real(wp) :: scalars(n_scalars) = 0.0_wp
     integer(i8) :: counts(n_counts) = 0_i8      !< parcels added, parcels left, lists made, lists weighed
     integer, allocatable :: owner(:)            !< rank of each tile
@@ -33,7 +33,7 @@ module solids_state
     real(wp), allocatable :: parcels(:,:)
     integer(i8), allocatable :: labels(:,:)     !< (3,n) id, powder, number of contacts
     integer(i8), allocatable :: partner(:)      !< (contacts) id, or -face of a wall; parcel after parcel
-    real(wp), allocatable :: slip(:,:)          !< (3,contacts) from the parcel to the partner [m]
+    real(wp), allocatable :: slip(:,:)          !< (3 or 6,contacts) from the parcel to the partner, see contact_history
   end type solids_state_t
 
 contains
@@ -70,7 +70,8 @@ contains
     allocate (state%owner(0))
     if (allocated(solids%tiles%owner)) state%owner = solids%tiles%owner
     state%scalars = [solids%time, solids%step, solids%travelled, solids%mass_added, solids%mass_left, &
-                     solids%largest_radius, solids%smallest_radius, minval(solids%lightest), solids%listed_at]
+                     solids%largest_radius, solids%smallest_radius, minval(solids%lightest), solids%listed_at, &
+                     solids%largest_ratio]
     if (size(solids%lightest) > 1) then
       allocate (state%least(2, size(solids%lightest)))
       state%least(1, :) = solids%lightest
@@ -88,6 +89,7 @@ contains
     type(history_t) :: history
     integer :: next(solids%parcels%n), m, i, j
 
+    history%rows = solids%history%rows
     call history%clear()
     if (solids%parcels%rotation .and. solids%rebuilds > 0) then
       if (allocated(solids%parts)) then
@@ -102,7 +104,7 @@ contains
       state%labels(3, i) = state%labels(3, i) + 1
       if (j > 0) state%labels(3, j) = state%labels(3, j) + 1
     end do
-    allocate (state%partner(sum(state%labels(3, :))), state%slip(3, sum(state%labels(3, :))))
+    allocate (state%partner(sum(state%labels(3, :))), state%slip(history%rows, sum(state%labels(3, :))))
     m = 1
     do i = 1, size(next)
       next(i) = m
@@ -124,7 +126,7 @@ contains
     subroutine put(own, other_id, slip)
       integer, intent(in) :: own
       integer(i8), intent(in) :: other_id
-      real(wp), intent(in) :: slip(3)
+      real(wp), intent(in) :: slip(:)
 
       state%partner(next(own)) = other_id
       state%slip(:, next(own)) = slip
@@ -156,6 +158,7 @@ contains
       end if
     end if
     solids%listed_at = state%scalars(9)
+    solids%largest_ratio = state%scalars(10)
     solids%added = state%counts(1)
     solids%left = state%counts(2)
     call import_parcels(state, solids%parcels)

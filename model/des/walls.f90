@@ -14,6 +14,8 @@ module walls
   use mesh_contacts, only: find_contacts, hand_over
   use mesh_wall, only: closest
   use parcels, only: parcels_t
+  use wall_entries, only: wall_entries_t, shift_of
+  use wall_rolling, only: roll
   use chamber, only: chamber_t, face_normal, n_faces
   implicit none
   private
@@ -23,16 +25,10 @@ module walls
 
   !> Parcels that touch a wall or may do so before the list is made again: first those of the faces, then of planes, then of
   !> shells, each ordered by column, then of one mesh after the other.
-  type :: wall_list_t
-    logical :: with_history = .false.
-    integer :: entries = 0
+  type, extends(wall_entries_t) :: wall_list_t
     integer :: kind_end(4) = 0            !< last entry of faces, of planes, of shells, of triangles
     real(wp) :: step = 0.0_wp             !< number of this step
     integer :: through = 0                !< column of a parcel that is beyond a wall, 0 if there is none
-    integer, allocatable :: parcel(:)     !< (entries) column
-    integer, allocatable :: face(:)       !< (entries) see chamber
-    integer, allocatable :: image(:)      !< (entries) in a periodic chamber: which image of the parcel is near the triangle
-    real(wp), allocatable :: slip(:,:)    !< (4, entries) 1:3 tangential slip [m], 4 step of last touch
   contains
     procedure :: build
     procedure :: sweep
@@ -80,6 +76,9 @@ contains
     allocate (self%slip(4, n))
     self%slip(1:3, :) = 0.0_wp
     self%slip(4, :) = never
+    if (.not. self%with_angles) return
+    if (allocated(self%angle)) deallocate (self%angle)
+    allocate (self%angle(3, n), source=0.0_wp)
   end subroutine build
 
   !> The entries of planes and shells.
@@ -311,7 +310,11 @@ contains
       self%through = self%parcel(range(1))
       return
     end if
-    if (self%with_history) call hand_over(self%step, gap, chosen(:contacts), self%slip(:, range(1):range(2)))
+    if (self%with_angles) then
+      call hand_over(self%step, gap, chosen(:contacts), self%slip(:, range(1):range(2)), self%angle(:, range(1):range(2)))
+    else if (self%with_history) then
+      call hand_over(self%step, gap, chosen(:contacts), self%slip(:, range(1):range(2)))
+    end if
     m = chamber%mesh_of(self%face(range(1)))
     do c = 1, contacts
       n = n + 1
@@ -349,15 +352,16 @@ contains
   end function end_of_run
 
   !> Where a parcel touches a mesh.
-  pure subroutine look_at_run(self, chamber, parcels, range, gap, chosen, n)
+  pure subroutine look_at_run(self, chamber, parcels, range, gap, chosen, n, reach)
     class(wall_list_t), intent(in) :: self
     type(chamber_t), intent(in) :: chamber
     type(parcels_t), intent(in) :: parcels
     integer, intent(in) :: range(2)                      !< entries
     real(wp), intent(out) :: gap(:,:)                    !< see find_contacts
     integer, intent(out) :: chosen(:), n
+    real(wp), intent(in), optional :: reach              !< for what is so far from its surface, too [m]
 
-    real(wp) :: place(3, range(2) - range(1) + 1)
+    real(wp) :: place(3, range(2) - range(1) + 1), radius
     integer :: k
 
     associate (s => parcels%state(1:4, self%parcel(range(1))), face => self%face(range(1):range(2)), &
@@ -367,20 +371,11 @@ contains
         place(:, k) = place(:, 1)
         if (any(chamber%periodic)) place(:, k) = wall%seen(s(1:3) + shift_of(self, chamber, range(1) - 1 + k))
       end do
-      call find_contacts(wall, face - (chamber%first_triangle() - 1 + wall%before), place, s(4), gap, chosen, n)
+      radius = s(4)
+      if (present(reach)) radius = radius + reach
+      call find_contacts(wall, face - (chamber%first_triangle() - 1 + wall%before), place, radius, gap, chosen, n)
     end associate
   end subroutine look_at_run
-
-  !> What brings a parcel to the image of it that is near the triangle of an entry [m].
-  pure function shift_of(self, chamber, entry) result(shift)
-    type(wall_list_t), intent(in) :: self
-    type(chamber_t), intent(in) :: chamber
-    integer, intent(in) :: entry
-    real(wp) :: shift(3)
-
-    shift = 0.0_wp
-    if (any(chamber%periodic)) shift = chamber%shift(self%image(entry))
-  end function shift_of
 
   !> Forces of a block of contacts with walls: those of each law together.
   pure subroutine apply(self, chamber, laws, touching, pair, parcels)
@@ -394,7 +389,7 @@ contains
     real(wp) :: chosen_pair(8, block_pairs)
     integer :: chosen(block_pairs), law, m, n
 
-    if (size(laws%wall) == 1) call apply_law(self, laws%wall(1), touching, pair, parcels)
+    if (size(laws%wall) == 1) call apply_law(self, chamber, laws%wall(1), touching, pair, parcels)
     do law = 1, merge(size(laws%wall), 0, size(laws%wall) > 1)
       n = 0
       do m = 1, size(touching)
@@ -405,13 +400,14 @@ contains
         chosen(n) = touching(m)
         chosen_pair(:, n) = pair(:, m)
       end do
-      if (n > 0) call apply_law(self, laws%wall(law), chosen(1:n), chosen_pair, parcels)
+      if (n > 0) call apply_law(self, chamber, laws%wall(law), chosen(1:n), chosen_pair, parcels)
     end do
   end subroutine apply
 
   !> Forces of contacts of one law. Lanes left over repeat the last contact.
-  pure subroutine apply_law(self, law, touching, pair, parcels)
+  pure subroutine apply_law(self, chamber, law, touching, pair, parcels)
     class(wall_list_t), intent(inout) :: self
+    type(chamber_t), intent(in) :: chamber
     type(contact_law_t), intent(in) :: law
     integer, intent(in) :: touching(:)                 !< (n) entries
     real(wp), intent(inout) :: pair(8, block_pairs)    !< see contact_linear
@@ -440,6 +436,7 @@ contains
       slip(:, m) = self%slip(:, touching(min(m, n)))
     end do
     call friction_forces(law, full, pair, spin, slip, force)
+    if (law%rolling%on) call roll(self%wall_entries_t, chamber, law, touching, pair, force, parcels)
     do m = 1, n
       i = self%parcel(touching(m))
       self%slip(:, touching(m)) = slip(:, m)

@@ -153,6 +153,10 @@ contains
     integer :: contacts
 
     call file%get_copy('solids', numbers)
+    if (size(numbers) /= n_scalars + n_counts) then
+      call outcome%fail(exit_input, 'the restart file holds other numbers of the parcels than this program writes')
+      return
+    end if
     call file%get_copy('tile_owner', state%owner)
     if (file%has('least')) then
       call file%get_copy('least', least)
@@ -167,6 +171,10 @@ contains
     contacts = int(sum(state%labels(3, :)))
     call file%get('contact_partner', state%partner, columns=contacts)
     call file%get('contact_slip', state%slip, columns=contacts)
+    if (size(state%slip, 1) /= scene%solids%history%rows) then
+      call outcome%fail(exit_input, 'the restart file is of a run with a rolling spring, or this case is: both or none must be')
+      return
+    end if
     state%scalars = numbers(:n_scalars)
     state%counts = nint(numbers(n_scalars + 1:n_scalars + n_counts), i8)
     call import_state(scene%solids, state, outcome)

@@ -10,12 +10,21 @@
 !> Lun et al., J. Fluid Mech. 140 (1984) 223-256; equal rates at equal temperature give e_cg, which is real for
 !> l < 1/(1 - e^2) only. Friction also dissipates, and is not counted: frictional parcels cool too fast.
 !>
+!> An attraction in contact of l^3 times that of the particles is the same part of the weight:
+!>
+!>   bond_number        A_cg = l^2 A (F ~ A R),   k_cg = l^(1/3) k (the force that parts Hertz's spheres ~ k^3 R^2)
+!>
+!> Sakai et al., Adv. Powder Technol. 23 (2012) 673-681. With A_cg and gaps as they are the energy it takes to part two
+!> surfaces also goes as the mass. As given (none), k keeps cohesive stress and, with Hertz's law, the speed below which
+!> parcels stick: Thakur, Ooi & Ahmadian, Powder Technol. 293 (2016) 130-137, for forces that go as the square of the width.
+!>
 !> One l serves all parcels: it is that of the mean weight: exactly W^(1/3) for SSW, and D over the width that
 !> has the mean volume of the particles for SSP, whose parcels share one width, mass and collision time.
 module coarse_graining
   use case, only: case_t
   use case_keys, only: keys_t
   use constants, only: is_set
+  use contact_settings, only: contact_settings_t
   use kinds, only: wp
   use outcome, only: outcome_t
   use parcel_plan, only: parcel_plan_t, new_parcel_plan
@@ -34,13 +43,22 @@ contains
     type(case_t), intent(inout) :: case
     type(keys_t), intent(inout) :: keys
 
-    logical :: stiffness, restitution
+    real(wp) :: l
+    logical :: stiffness, restitution, attraction
+    character(len=20) :: key
 
     stiffness = case%contact%stiffness_scaling == 'constant_modulus'
     restitution = case%contact%restitution_scaling == 'dissipation'
-    if (.not. (stiffness .or. restitution) .or. keys%problems%count() > 0) return
-    call find_coarseness(case, merge('stiffness_scaling  ', 'restitution_scaling', stiffness), keys)
-    if (restitution .and. is_set(case%contact%coarseness)) call check_restitutions(case, keys)
+    attraction = case%contact%cohesion_scaling == 'bond_number' .and. case%contact%cohesion /= 'none'
+    if (.not. (stiffness .or. restitution .or. attraction) .or. keys%problems%count() > 0) return
+    key = 'cohesion_scaling'
+    if (restitution) key = 'restitution_scaling'
+    if (stiffness) key = 'stiffness_scaling'
+    call find_coarseness(case, trim(key), keys)
+    if (.not. is_set(case%contact%coarseness)) return
+    l = case%contact%coarseness
+    if (attraction) call scale_attraction(l, case%contact)
+    if (restitution) call check_restitutions(case, keys)
   end subroutine scale_contacts
 
   !> l, the same for all fills.
@@ -70,6 +88,17 @@ contains
       return
     end do
   end subroutine find_coarseness
+
+  !> So that it is the same part of the weight.
+  pure subroutine scale_attraction(l, contact)
+    real(wp), intent(in) :: l
+    type(contact_settings_t), intent(inout) :: contact
+
+    if (is_set(contact%hamaker_constant)) contact%hamaker_constant = l**2*contact%hamaker_constant
+    if (is_set(contact%wall_hamaker_constant)) contact%wall_hamaker_constant = l**2*contact%wall_hamaker_constant
+    if (is_set(contact%cohesion_energy)) contact%cohesion_energy = l**(1.0_wp/3.0_wp)*contact%cohesion_energy
+    if (is_set(contact%wall_cohesion_energy)) contact%wall_cohesion_energy = l**(1.0_wp/3.0_wp)*contact%wall_cohesion_energy
+  end subroutine scale_attraction
 
   !> Every restitution that is given must leave one that dissipates as much as is asked for. What follows for other pairs lies
   !> between those.

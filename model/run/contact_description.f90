@@ -28,12 +28,50 @@ contains
     end if
     if (is_set(case%contact%coarseness)) call line(unit, '', 'scaled to parcels '//brief(case%contact%coarseness) &
                                                    //' times as wide as their particles')
+    call describe_cohesion(case%contact, unit)
     if (laws%friction) then
       call line(unit, '', 'friction'//one_friction(case%contact)//': parcels rotate, contacts remember their slip')
+      call describe_rolling(case%contact, unit)
     else
       call line(unit, '', 'no friction: no rotation, no memory of contacts')
     end if
   end subroutine describe_contact
+
+  subroutine describe_cohesion(contact, unit)
+    type(contact_settings_t), intent(in) :: contact
+    integer, intent(in) :: unit
+
+    character(len=:), allocatable :: walls
+
+    walls = ''
+    select case (contact%cohesion)
+    case ('van_der_waals')
+      if (is_set(contact%wall_hamaker_constant)) walls = ', '//brief(contact%wall_hamaker_constant)//' J at walls'
+      call line(unit, '', 'van der Waals attraction, '//brief(contact%hamaker_constant)//' J'//walls//', up to a gap of ' &
+                //brief(contact%maximum_separation)//' m, constant below '//brief(contact%minimum_separation)//' m')
+    case ('linear')
+      if (is_set(contact%wall_cohesion_energy)) walls = ', '//brief(contact%wall_cohesion_energy)//' J/m3 at walls'
+      call line(unit, '', 'attraction '//brief(contact%cohesion_energy)//' J/m3 over the area of contact'//walls)
+    case default
+    end select
+  end subroutine describe_cohesion
+
+  subroutine describe_rolling(contact, unit)
+    type(contact_settings_t), intent(in) :: contact
+    integer, intent(in) :: unit
+
+    character(len=:), allocatable :: words
+
+    if (contact%rolling == 'none') return
+    words = 'rolling friction '//shown(contact%rolling_friction)
+    if (is_set(contact%wall_rolling_friction)) words = words//', '//shown(contact%wall_rolling_friction)//' on walls'
+    if (contact%rolling == 'spring') then
+      words = words//' by a spring: contacts remember the angle they have rolled'
+    else
+      words = words//' by a constant torque, which holds nothing at rest'
+    end if
+    call line(unit, '', words)
+  end subroutine describe_rolling
 
   subroutine describe_one(contact, pair, unit)
     type(contact_settings_t), intent(in) :: contact

@@ -74,7 +74,7 @@ contains
     plan%weight = [minval(plan%weight), maxval(plan%weight)]
   end subroutine find_extremes
 
-  !> The shortest collision of the parcels of all plans that are known; huge if none is [s].
+  !> The shortest collision, or swing by attraction, of the parcels of all plans that are known; huge if none is [s].
   pure function shortest_contact(case, plans) result(time)
     type(case_t), intent(in) :: case
     type(parcel_plan_t), intent(in) :: plans(:)
@@ -82,18 +82,21 @@ contains
 
     type(contact_laws_t) :: laws
     real(wp), allocatable :: lightest(:), smallest(:)
+    real(wp) :: ratio
     integer :: i
 
     laws = new_contact_laws(case%contact, case%wall_materials())
+    ratio = 0.0_wp
     allocate (lightest(0:laws%materials()), smallest(0:laws%materials()), source=huge(time))
     do i = 1, size(plans)
       if (.not. plans(i)%known) cycle
       associate (m => plans(i)%material)
+        ratio = max(ratio, plans(i)%diameter(1)/2/plans(i)%lightest)
         lightest(m) = min(lightest(m), plans(i)%lightest)
         smallest(m) = min(smallest(m), plans(i)%diameter(1)/2)
       end associate
     end do
-    time = laws%contact_time(lightest, smallest, case%contact%impact_velocity)
+    time = min(laws%contact_time(lightest, smallest, case%contact%impact_velocity), laws%swing_time(ratio))
   end function shortest_contact
 
 end module parcel_plan

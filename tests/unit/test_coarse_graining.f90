@@ -32,6 +32,7 @@ program test_coarse_graining
 
   call start_ranks(comm)
   call ssw_and_ssp()
+  call attraction()
   call limits()
   call collide_parcels()
   call finish()
@@ -84,6 +85,27 @@ contains
     pair = pair_of(contact, 0, 0)
     restitution = pair%restitution
   end function restitution
+
+  !> An attraction that is the same part of the weight: Hamaker's constant l^2, the energy of an area l^(1/3) times as large.
+  subroutine attraction()
+    character(len=*), parameter :: law = '&contact law = ''hertz'', youngs_modulus = 1e7, poisson_ratio = 0.25, '
+    character(len=*), parameter :: area = 'cohesion = ''linear'', cohesion_energy = 1e4, wall_cohesion_energy = 2e4'
+    character(len=*), parameter :: van_der_waals = 'cohesion = ''van_der_waals'', hamaker_constant = 1e-19, ' &
+      //'wall_hamaker_constant = 2e-19, minimum_separation = 1e-9, maximum_separation = 1e-7'
+    character(len=*), parameter :: bond = ', cohesion_scaling = ''bond_number'' /'
+    character(len=*), parameter :: ssw = '&parcels weighting = ''ssw'', weight = 27 /'//nl
+    type(contact_settings_t) :: contact
+
+    contact = contact_of(ssw//law//van_der_waals//bond)
+    call expect_close(contact%hamaker_constant, 9.0e-19_wp, 1.0e-12_wp, 'Hamaker''s constant is l^2 times as large')
+    call expect_close(contact%wall_hamaker_constant, 18.0e-19_wp, 1.0e-12_wp, 'and that of walls')
+    call expect_close(contact%minimum_separation, 1.0e-9_wp, 1.0e-12_wp, 'at equal gaps')
+    contact = contact_of(ssw//law//area//bond)
+    call expect_close(contact%cohesion_energy, 3.0_wp**(1.0_wp/3.0_wp)*1.0e4_wp, 1.0e-12_wp, 'an energy l^(1/3) times')
+    call expect_close(contact%wall_cohesion_energy, 3.0_wp**(1.0_wp/3.0_wp)*2.0e4_wp, 1.0e-12_wp, 'and that of walls')
+    contact = contact_of(ssw//law//van_der_waals//' /')
+    call expect_close(contact%hamaker_constant, 1.0e-19_wp, 1.0e-12_wp, 'unless asked for, nothing is scaled')
+  end subroutine attraction
 
   !> SSW of weight 27 is 3 times as wide; SSP as wide as the cube root of the mean volume makes it.
   subroutine ssw_and_ssp()

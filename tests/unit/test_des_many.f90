@@ -22,8 +22,11 @@ program test_des_many
   call across_a_face()
   call same_on_all_ranks(0.3_wp)
   call same_on_all_ranks(0.0_wp)
+  call same_on_all_ranks(0.3_wp, 'spring')
   call restart(0.3_wp)
   call restart(0.0_wp)
+  call restart(0.3_wp, 'spring')
+  call attraction()
   call driven_by_gas()
   call through_open_face()
   call trouble()
@@ -32,12 +35,20 @@ program test_des_many
 
 contains
 
-  function material(friction) result(contact)
+  function material(friction, rolling) result(contact)
     real(wp), intent(in) :: friction
+    character(len=*), intent(in), optional :: rolling
     type(contact_settings_t) :: contact
 
     contact%stiffness = 200.0_wp
     contact%friction = friction
+    contact%rolling_friction = 0.1_wp
+    if (.not. present(rolling)) return
+    contact%rolling = rolling
+    contact%cohesion = 'van_der_waals'
+    contact%hamaker_constant = 1.0e-15_wp
+    contact%minimum_separation = 1.0e-7_wp
+    contact%maximum_separation = 2.0e-4_wp
   end function material
 
   !> What must hold on every rank, told once.
@@ -52,17 +63,18 @@ contains
   end subroutine expect_all
 
   !> A cloud of n parcels that falls into a corner of its chamber.
-  subroutine falling(ranks, n, friction, periodic, solids)
+  subroutine falling(ranks, n, friction, periodic, solids, rolling)
     type(communicator_t), intent(in) :: ranks
     integer, intent(in) :: n
     real(wp), intent(in) :: friction
     logical, intent(in) :: periodic(3)
     type(solids_t), intent(out) :: solids
+    character(len=*), intent(in), optional :: rolling
 
     real(wp), allocatable :: x(:,:), v(:,:), diameter(:)
 
     call cloud(n, [0.0_wp, 0.0_wp, 0.0_wp], 1.25e-3_wp, [8, 6], x, v, diameter)
-    solids = scene(ranks, [0.01_wp, 0.0075_wp, 0.02_wp], -9.81_wp, material(friction), periodic)
+    solids = scene(ranks, [0.01_wp, 0.0075_wp, 0.02_wp], -9.81_wp, material(friction, rolling), periodic)
     call put(solids, x, v, diameter)
   end subroutine falling
 
@@ -193,8 +205,9 @@ contains
   end subroutine across_a_face
 
   !> All ranks together and each by itself compute the same fall.
-  subroutine same_on_all_ranks(friction)
+  subroutine same_on_all_ranks(friction, rolling)
     real(wp), intent(in) :: friction
+    character(len=*), intent(in), optional :: rolling
 
     type(solids_t) :: together, apart
     type(outcome_t) :: outcome
@@ -203,8 +216,8 @@ contains
     integer :: i
 
     ever = .false.
-    call falling(comm, 400, friction, [.true., .false., .false.], together)
-    call falling(alone, 400, friction, [.true., .false., .false.], apart)
+    call falling(comm, 400, friction, [.true., .false., .false.], together, rolling)
+    call falling(alone, 400, friction, [.true., .false., .false.], apart, rolling)
     do i = 1, 10
       call run(together, 25, apart%time_step_limit())
       call together%rebalance(changed, outcome)
@@ -217,11 +230,13 @@ contains
     call expect_all(apart%rebuilds > 2, 'lists are made anew while they fall')
     call expect_all(all(abs(a(1:3, :) - b(1:3, :)) < 1.0e-10_wp*0.01_wp), 'positions do not depend on the ranks')
     call expect_all(all(abs(a(5:7, :) - b(5:7, :)) < 1.0e-10_wp*0.5_wp), 'nor velocities')
+    if (size(a, 1) > 8) call expect_all(all(abs(a(9:11, :) - b(9:11, :)) < 1.0e-10_wp*0.5_wp), 'nor spins')
   end subroutine same_on_all_ranks
 
   !> A run taken up from its exported state is the uninterrupted run, bit for bit.
-  subroutine restart(friction)
+  subroutine restart(friction, rolling)
     real(wp), intent(in) :: friction
+    character(len=*), intent(in), optional :: rolling
 
     type(solids_t) :: whole, resumed
     type(solids_state_t) :: state
@@ -229,13 +244,13 @@ contains
     real(wp) :: dt
     logical :: changed
 
-    call falling(comm, 400, friction, [.true., .false., .false.], whole)
+    call falling(comm, 400, friction, [.true., .false., .false.], whole, rolling)
     dt = whole%time_step_limit()
     call run(whole, 513, dt)
     call whole%rebalance(changed, outcome)
     call run(whole, 4, dt)
     call export_state(whole, state)
-    resumed = scene(comm, [0.01_wp, 0.0075_wp, 0.02_wp], -9.81_wp, material(friction), [.true., .false., .false.])
+    resumed = scene(comm, [0.01_wp, 0.0075_wp, 0.02_wp], -9.81_wp, material(friction, rolling), [.true., .false., .false.])
     call import_state(resumed, state, outcome)
     call expect_all(.not. outcome%failed(), 'a state is taken up')
     call run(whole, 300, dt)
@@ -249,6 +264,47 @@ contains
                       'and its state is the same, bit for bit')
     end associate
   end subroutine restart
+
+  !> Parcels and their images draw on each other as far as the attraction reaches: the forces of all pairs, in one step.
+  subroutine attraction()
+    integer, parameter :: n = 60
+    real(wp), parameter :: edge = 0.006_wp, reach = 4.0e-4_wp, hamaker = 1.0e-9_wp, nearest = 1.0e-5_wp
+    type(solids_t) :: solids
+    type(contact_settings_t) :: contact
+    real(wp), allocatable :: x(:,:), v(:,:), diameter(:), a(:,:)
+    real(wp) :: pull(3), way(3), gap, largest, wrong, dt
+    integer :: i, j, pairs
+
+    contact = material(0.0_wp, 'none')
+    contact%hamaker_constant = hamaker
+    contact%minimum_separation = nearest
+    contact%maximum_separation = reach
+    call cloud(n, [0.0_wp, 0.0_wp, 0.0_wp], 1.35e-3_wp, [4, 4], x, v, diameter)
+    solids = scene(comm, [edge, edge, edge], 0.0_wp, contact, [.true., .true., .true.])
+    call put(solids, x, 0*v, diameter)
+    dt = 1.0e-9_wp
+    call run(solids, 1, dt)
+    call gather(solids, n, a)
+    largest = 0
+    wrong = 0
+    pairs = 0
+    do i = 1, n
+      pull = 0
+      do j = 1, n
+        if (i == j) cycle
+        way = x(:, j) - x(:, i)
+        way = way - edge*nint(way/edge)
+        gap = norm2(way) - (diameter(i) + diameter(j))/2
+        if (gap > reach) cycle
+        if (gap > 0) pairs = pairs + 1
+        pull = pull + hamaker/6/(2/diameter(i) + 2/diameter(j))/max(gap, nearest)**2*way/norm2(way)
+      end do
+      largest = max(largest, norm2(pull))
+      wrong = max(wrong, norm2(pull - a(5:7, i)/a(8, i)/dt))
+    end do
+    call expect_all(pairs > 50, 'parcels attract each other from afar')
+    call expect_all(wrong < 1.0e-6_wp*largest, 'as all pairs within reach do')
+  end subroutine attraction
 
   !> A drive equal to gravity is gravity, and what the gas does stays with its parcel wherever that goes.
   subroutine driven_by_gas()

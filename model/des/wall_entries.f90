@@ -1,0 +1,57 @@
+!> What is kept of parcels near walls: which wall it is, and what a contact with it remembers.
+module wall_entries
+  use chamber, only: chamber_t
+  use kinds, only: wp
+  implicit none
+  private
+  public :: wall_entries_t, shift_of
+
+  type :: wall_entries_t
+    logical :: with_history = .false.
+    logical :: with_angles = .false.      !< whether contacts remember how far they have rolled
+    integer :: entries = 0
+    integer, allocatable :: parcel(:)     !< (entries) column
+    integer, allocatable :: face(:)       !< (entries) see chamber
+    integer, allocatable :: image(:)      !< (entries) in a periodic chamber: which image of the parcel is near the triangle
+    real(wp), allocatable :: slip(:,:)    !< (4, entries) 1:3 tangential slip [m], 4 step of last touch
+    real(wp), allocatable :: angle(:,:)   !< (3, entries) with the rolling spring: angle rolled [rad]
+  contains
+    procedure :: memory_of
+    procedure :: remind
+  end type wall_entries_t
+
+contains
+
+  !> What an entry remembers beside the step of its last touch: the slip and, if there is one, the angle.
+  pure function memory_of(self, entry) result(memory)
+    class(wall_entries_t), intent(in) :: self
+    integer, intent(in) :: entry
+    real(wp) :: memory(merge(6, 3, self%with_angles))
+
+    memory(1:3) = self%slip(1:3, entry)
+    if (self%with_angles) memory(4:6) = self%angle(:, entry)
+  end function memory_of
+
+  !> Give it back.
+  pure subroutine remind(self, entry, memory, step)
+    class(wall_entries_t), intent(inout) :: self
+    integer, intent(in) :: entry
+    real(wp), intent(in) :: memory(:)  !< as `memory_of`
+    real(wp), intent(in) :: step       !< of the last touch
+
+    self%slip(:, entry) = [memory(1:3), step]
+    if (self%with_angles) self%angle(:, entry) = memory(4:6)
+  end subroutine remind
+
+  !> What brings a parcel to the image of it that is near the triangle of an entry [m].
+  pure function shift_of(self, chamber, entry) result(shift)
+    class(wall_entries_t), intent(in) :: self
+    type(chamber_t), intent(in) :: chamber
+    integer, intent(in) :: entry
+    real(wp) :: shift(3)
+
+    shift = 0.0_wp
+    if (any(chamber%periodic)) shift = chamber%shift(self%image(entry))
+  end function shift_of
+
+end module wall_entries
