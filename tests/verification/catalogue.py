@@ -46,7 +46,7 @@ def run(program):
     source = (ROOT / f"tests/verification/{Path(program).name}.f90").read_text()
     asked = re.search(r"^! ranks: (\d+)$", source, re.MULTILINE)
     launch = ["sh", str(ROOT / "src/build/launch.sh"), asked[1] if asked else "1", str(program)]
-    done = subprocess.run(launch, capture_output=True, text=True, timeout=300)
+    done = subprocess.run(launch, capture_output=True, text=True, timeout=600)
     words = [line.split() for line in done.stdout.splitlines()]
     failed = [" ".join(w) for w in words if w and w[0] == "FAIL"]
     if done.returncode or failed or ["finished"] not in words:

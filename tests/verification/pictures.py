@@ -102,6 +102,18 @@ def cooling(rows, curves):
     return figure
 
 
+def shear(rows, curves):
+    figure, axis = plt.subplots(figsize=(6.4, 2.2))
+    for phi, shade in (("0.10", 1), ("0.20", 0.65), ("0.30", 0.4)):
+        x, found, theory = series(curves, f"shear_phi{phi}")
+        axis.plot(x, found / theory, color=OURS, alpha=shade, lw=0.8, label=f"phi {float(phi):g}")
+    axis.axhline(1, color=EXACT, lw=0.8)
+    axis.axvline(5, color=EXACT, lw=0.8, ls=":")
+    axis.set(xlabel="strain", ylabel="T over theory", ylim=(0, 2))
+    axis.legend()
+    return figure
+
+
 def errors(rows, curves):
     """Every row that has a peer: our error and MFIX's, both over MFIX's, and the half that is allowed. Cut at a thousandth."""
     compared = [row for row in rows if row["peer"]]
@@ -122,7 +134,7 @@ def draw(rows, curves, folder):
     """All pictures; their paths. The same rows and curves give the same bytes."""
     folder.mkdir(exist_ok=True)
     with plt.rc_context(STYLE):
-        for make in (errors, fall, squeezed, oblique, chung_ooi, order, cooling):
+        for make in (errors, fall, squeezed, oblique, chung_ooi, order, cooling, shear):
             path = folder / f"{make.__name__}.png"
             figure = make(rows, curves)
             figure.savefig(path, metadata={"Software": None})
