@@ -114,82 +114,97 @@ contains
   end subroutine linear_friction_forces
 
   !> Eight pairs at once, one in each lane. All rows are read, since one left out would keep the last lanes out
-  !> of the vector loop; results are written lane by lane and turned afterwards, which is 9 % faster.
+  !> of the vector loop; results are written lane by lane and turned afterwards, which is 9 % faster. Several short loops
+  !> are 9 % faster than a long one: a root or a division of one vector does not wait for the next steps of another.
   pure subroutine eight_with_friction(law, pair, spin, slip, forces, slips)
     type(linear_t), intent(in) :: law
     real(wp), intent(in) :: pair(8, lanes), spin(4, lanes), slip(4, lanes)
     real(wp), intent(out) :: forces(lanes, 8), slips(lanes, 4)
 
-    real(wp) :: x, y, z, reach, square, per_d, d, q, share, per_reach, gamma_n, v_n, f_n, part, excess, way, delta, next
-    real(wp) :: t_x, t_y, t_z, a, b, c, along, gamma_t, f_x, f_y, f_z, cap, back, keep
+    real(wp), dimension(lanes) :: x, y, z, per_d, delta, per_reach, gamma_n, v_n, u, v, w, inverse, f_n
+    real(wp), dimension(lanes) :: t_x, t_y, t_z, a, b, c, f_x, f_y, f_z, gamma_t
+    real(wp) :: square, d, q, share, way, next, part, excess, keep, along, cap, back
     integer :: k
 
+    ! Distance, and dashpots: gamma_n = damping sqrt(m_eff)/(1 + excess/m_eff), one division for it and 1/reach.
     excess = law%excess*law%dt**2
-    !$omp simd simdlen(8) private(x, y, z, reach, delta, next, way, square, per_d, d, q, share, per_reach, gamma_n, v_n) &
-    !$omp& private(f_n, part, t_x, t_y, t_z, a, b, c, along, gamma_t, f_x, f_y, f_z, cap, back, keep)
+    !$omp simd simdlen(8) private(square, d, q, share)
     do k = 1, lanes
-      x = pair(1, k)
-      y = pair(2, k)
-      z = pair(3, k)
-      reach = pair(4, k)
-      square = x*x + y*y + z*z
-      per_d = 1/sqrt(square)
-      d = square*per_d
-
-      ! Dashpots: gamma_n = damping sqrt(m_eff)/(1 + excess/m_eff), one division for it and 1/reach.
+      x(k) = pair(1, k)
+      y(k) = pair(2, k)
+      z(k) = pair(3, k)
+      square = x(k)*x(k) + y(k)*y(k) + z(k)*z(k)
+      per_d(k) = 1/sqrt(square)
+      d = square*per_d(k)
+      delta(k) = max(pair(4, k) - d, 0.0_wp)
       q = sqrt(pair(8, k))*(1 + excess*pair(8, k))
-      share = 1/(q*reach)
-      per_reach = share*q
-      v_n = (pair(5, k)*x + pair(6, k)*y + pair(7, k)*z)*per_d
-      gamma_n = law%damping*share*reach
-      gamma_t = law%tangential*gamma_n
-      delta = reach - d
-      next = v_n + 0.5_wp*law%dt*pair(8, k)*(law%k_n*delta - gamma_n*v_n)
-      way = law%dt*merge(next, -v_n, next > -v_n)
-      part = delta/max(merge(way, delta, way > delta), tiny(way))
-      gamma_n = gamma_n*(part + merge(0.5_wp, 0.0_wp, part < 1.0_wp))
+      share = 1/(q*pair(4, k))
+      per_reach(k) = share*q
+      gamma_n(k) = law%damping*share*pair(4, k)
+      u(k) = pair(5, k)
+      v(k) = pair(6, k)
+      w(k) = pair(7, k)
+      inverse(k) = pair(8, k)
+    end do
 
-      ! Normal force, and the velocity at the contact point without its normal part.
-      f_n = law%k_n*delta - gamma_n*v_n
-      part = v_n*per_d
-      t_x = pair(5, k) - x*part - (spin(2, k)*z - spin(3, k)*y)*per_reach
-      t_y = pair(6, k) - y*part - (spin(3, k)*x - spin(1, k)*z)*per_reach
-      t_z = pair(7, k) - z*part - (spin(1, k)*y - spin(2, k)*x)*per_reach
+    ! Normal force; its dashpot as long as the contact lasts in this step.
+    !$omp simd simdlen(8) private(next, way, part)
+    do k = 1, lanes
+      v_n(k) = (u(k)*x(k) + v(k)*y(k) + w(k)*z(k))*per_d(k)
+      gamma_t(k) = law%tangential*gamma_n(k)
+      next = v_n(k) + 0.5_wp*law%dt*inverse(k)*(law%k_n*delta(k) - gamma_n(k)*v_n(k))
+      way = law%dt*merge(next, -v_n(k), next > -v_n(k))
+      part = delta(k)/max(merge(way, delta(k), way > delta(k)), tiny(way))
+      f_n(k) = law%k_n*delta(k) - gamma_n(k)*(part + merge(0.5_wp, 0.0_wp, part < 1.0_wp))*v_n(k)
+    end do
 
-      ! Slip since the contact began, kept in the tangent plane.
+    ! Velocity at the contact point without its normal part, and the slip since the contact began, kept in the tangent plane.
+    !$omp simd simdlen(8) private(part, keep, along)
+    do k = 1, lanes
+      part = v_n(k)*per_d(k)
+      t_x(k) = u(k) - x(k)*part - (spin(2, k)*z(k) - spin(3, k)*y(k))*per_reach(k)
+      t_y(k) = v(k) - y(k)*part - (spin(3, k)*x(k) - spin(1, k)*z(k))*per_reach(k)
+      t_z(k) = w(k) - z(k)*part - (spin(1, k)*y(k) - spin(2, k)*x(k))*per_reach(k)
       keep = merge(1.0_wp, 0.0_wp, slip(4, k) >= law%step - 1.5_wp)
-      a = keep*slip(1, k) + t_x*law%dt
-      b = keep*slip(2, k) + t_y*law%dt
-      c = keep*slip(3, k) + t_z*law%dt
-      along = (a*x + b*y + c*z)*per_d*per_d
-      a = a - along*x
-      b = b - along*y
-      c = c - along*z
-
-      ! Trial force, capped at mu |F_n|; where it slides the slip is what the spring alone would need.
-      f_x = -(law%k_t*a + gamma_t*t_x)
-      f_y = -(law%k_t*b + gamma_t*t_y)
-      f_z = -(law%k_t*c + gamma_t*t_z)
-      cap = law%mu*abs(f_n)/sqrt(max(f_x*f_x + f_y*f_y + f_z*f_z, tiny(cap)))
-      cap = min(cap, 1.0_wp)
-      back = gamma_t*law%per_k_t*(cap - 1)
-      slips(k, 1) = cap*a + back*t_x
-      slips(k, 2) = cap*b + back*t_y
-      slips(k, 3) = cap*c + back*t_z
-      slips(k, 4) = law%step
-      f_x = cap*f_x
-      f_y = cap*f_y
-      f_z = cap*f_z
-
-      f_n = f_n*per_d
-      forces(k, 1) = f_x + x*f_n
-      forces(k, 2) = f_y + y*f_n
-      forces(k, 3) = f_z + z*f_n
-      forces(k, 4) = 0.0_wp
-      forces(k, 5) = (z*f_y - y*f_z)*per_reach
-      forces(k, 6) = (x*f_z - z*f_x)*per_reach
-      forces(k, 7) = (y*f_x - x*f_y)*per_reach
+      a(k) = keep*slip(1, k) + t_x(k)*law%dt
+      b(k) = keep*slip(2, k) + t_y(k)*law%dt
+      c(k) = keep*slip(3, k) + t_z(k)*law%dt
+      along = (a(k)*x(k) + b(k)*y(k) + c(k)*z(k))*per_d(k)*per_d(k)
+      a(k) = a(k) - along*x(k)
+      b(k) = b(k) - along*y(k)
+      c(k) = c(k) - along*z(k)
       forces(k, 8) = spin(4, k)
+    end do
+
+    ! Trial force, capped at mu |F_n|; where it slides the slip is what the spring alone would need.
+    !$omp simd simdlen(8) private(cap, back)
+    do k = 1, lanes
+      f_x(k) = -(law%k_t*a(k) + gamma_t(k)*t_x(k))
+      f_y(k) = -(law%k_t*b(k) + gamma_t(k)*t_y(k))
+      f_z(k) = -(law%k_t*c(k) + gamma_t(k)*t_z(k))
+      cap = law%mu*abs(f_n(k))/sqrt(max(f_x(k)*f_x(k) + f_y(k)*f_y(k) + f_z(k)*f_z(k), tiny(cap)))
+      cap = min(cap, 1.0_wp)
+      back = gamma_t(k)*law%per_k_t*(cap - 1)
+      slips(k, 1) = cap*a(k) + back*t_x(k)
+      slips(k, 2) = cap*b(k) + back*t_y(k)
+      slips(k, 3) = cap*c(k) + back*t_z(k)
+      slips(k, 4) = law%step
+      f_x(k) = cap*f_x(k)
+      f_y(k) = cap*f_y(k)
+      f_z(k) = cap*f_z(k)
+    end do
+
+    ! Force on i, and torque over radius.
+    !$omp simd simdlen(8) private(part)
+    do k = 1, lanes
+      part = f_n(k)*per_d(k)
+      forces(k, 1) = f_x(k) + x(k)*part
+      forces(k, 2) = f_y(k) + y(k)*part
+      forces(k, 3) = f_z(k) + z(k)*part
+      forces(k, 4) = 0.0_wp
+      forces(k, 5) = (z(k)*f_y(k) - y(k)*f_z(k))*per_reach(k)
+      forces(k, 6) = (x(k)*f_z(k) - z(k)*f_x(k))*per_reach(k)
+      forces(k, 7) = (y(k)*f_x(k) - x(k)*f_y(k))*per_reach(k)
     end do
   end subroutine eight_with_friction
 

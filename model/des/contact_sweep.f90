@@ -8,7 +8,7 @@ module contact_sweep
   use contact_lanes, only: lanes
   use contact_law, only: contact_law_t, friction_forces, frictionless_forces
   use kinds, only: wp
-  use parcels, only: mass_row, spin_row, curvature_row
+  use parcels, only: frictional_rows, mass_row, spin_row, curvature_row
   use rolling, only: rolling_torques
   implicit none
   private
@@ -33,7 +33,7 @@ contains
   subroutine sweep_friction(law, pairs, state, force)
     type(contact_law_t), intent(in) :: law
     type(close_pairs_t), intent(inout) :: pairs
-    real(wp), intent(in) :: state(16, *)     !< see parcels
+    real(wp), intent(in) :: state(frictional_rows, *)     !< see parcels
     real(wp), intent(inout) :: force(8, *)   !< 1:3 force, 5:7 torque over radius [N]
 
     type(block_t) :: block
@@ -45,7 +45,7 @@ contains
     do while (next <= pairs%n)
       if (pairs%tight) then
         call take_block(pairs, next, block)
-        call gather_pairs(16, state, block)
+        call gather_pairs(frictional_rows, state, block)
         call gather_spins(state, block, spin)
         if (law%rolling%spring) call gather_angles(law, pairs, next, block, angle)
         associate (slips => pairs%slip(:, next:next + padded(block%n) - 1))
@@ -54,8 +54,8 @@ contains
         end associate
         next = next + block%n
       else
-        call select_pairs(16, state, pairs, next, block)
-        call gather_pairs(16, state, block)
+        call select_pairs(frictional_rows, state, pairs, next, block)
+        call gather_pairs(frictional_rows, state, block)
         call gather_spins(state, block, spin)
         call gather_slips(pairs%slip, block, slip)
         if (law%rolling%spring) call gather_angles(law, pairs, 0, block, angle)
@@ -92,7 +92,7 @@ contains
   !> Torques of pairs that resist rolling.
   pure subroutine roll_pairs(law, state, block, forces, angle, torque)
     type(contact_law_t), intent(in) :: law
-    real(wp), intent(in) :: state(16, *)
+    real(wp), intent(in) :: state(frictional_rows, *)
     type(block_t), intent(in) :: block
     real(wp), intent(in) :: forces(8, block_pairs)
     real(wp), intent(inout) :: angle(3, block_pairs), torque(3, block_pairs)
@@ -120,7 +120,7 @@ contains
   !> As `scatter_friction`, with the torques against rolling, which are opposite on the two. What a pair does is added at once,
   !> so that sums do not depend on where blocks end.
   pure subroutine scatter_rolling(state, forces, torque, block, force)
-    real(wp), intent(in) :: state(16, *)
+    real(wp), intent(in) :: state(frictional_rows, *)
     real(wp), intent(in) :: forces(8, block_pairs), torque(3, block_pairs)
     type(block_t), intent(in) :: block
     real(wp), intent(inout) :: force(8, *)
@@ -262,7 +262,7 @@ contains
   end subroutine gather_pairs
 
   pure subroutine gather_spins(state, block, spin)
-    real(wp), intent(in) :: state(16, *)
+    real(wp), intent(in) :: state(frictional_rows, *)
     type(block_t), intent(in) :: block
     real(wp), intent(inout) :: spin(4, block_pairs)
 

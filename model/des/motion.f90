@@ -10,7 +10,7 @@
 !> which contacts read, and `aside` holds them without; between advances `state` has them as they are and `aside` the lead.
 module motion
   use kinds, only: wp
-  use parcels, only: parcels_t, coupled_rows, frictional_rows
+  use parcels, only: parcels_t, coupled_rows, frictional_rows, frictional_force_rows, frictionless_force_rows
   implicit none
   private
   public :: add_lead, take_lead, drift, kick_and_drift, farthest
@@ -100,7 +100,8 @@ contains
     integer, intent(in) :: rows, n, stride
     real(wp), intent(in) :: drive(coupled_rows, *)      !< 1:3 [m/s2]
     real(wp), intent(in) :: times(2)                    !< of the kick, of the drift [s]
-    real(wp), intent(inout) :: state(rows, *), aside(merge(6, 3, rows == frictional_rows), *), force(rows/2, *)
+    real(wp), intent(inout) :: state(rows, *), aside(merge(6, 3, rows == frictional_rows), *)
+    real(wp), intent(inout) :: force(merge(frictional_force_rows, frictionless_force_rows, rows == frictional_rows), *)
     real(wp), intent(out) :: fastest, energy
 
     real(wp) :: v(3), gain(3), square, per_mass

@@ -16,7 +16,7 @@ module parcels
   integer, parameter :: mass_row = 8      !< inverse of the parcel's mass [1/kg]
   integer, parameter :: spin_row = 9      !< 9:11 angular velocity times collision radius [m/s]
   integer, parameter :: curvature_row = 12  !< inverse of the collision radius [1/m]
-  integer, parameter :: frictional_rows = 16, frictionless_rows = 8
+  integer, parameter :: frictional_rows = 12, frictionless_rows = 8
   integer, parameter :: frictional_force_rows = 8, frictionless_force_rows = 4
 
   ! Rows of `coupled`.
@@ -31,9 +31,9 @@ module parcels
     integer :: n = 0                          !< my own
     integer :: n_ghost = 0                    !< copies of others' parcels, in columns n+1 on
     integer :: capacity = 0                   !< columns of all arrays
-    logical :: rotation = .false.             !< whether parcels spin: state has 16 rows, else 8
+    logical :: rotation = .false.             !< whether parcels spin: state has 12 rows, else 8
     logical :: with_gas = .false.             !< whether `coupled` exists
-    real(wp), allocatable :: state(:,:)       !< (16 or 8, capacity), see the rows above
+    real(wp), allocatable :: state(:,:)       !< (12 or 8, capacity), see the rows above
     real(wp), allocatable :: force(:,:)       !< (8 or 4, capacity) contact force 1:3 [N], torque/radius 5:7 [N]
     real(wp), allocatable :: coupled(:,:)     !< (12, capacity) what the gas does, see the rows above
     real(wp), allocatable :: aside(:,:)       !< (6 or 3, capacity) velocities and spins, or their lead: see motion [m/s]

@@ -1,7 +1,15 @@
-!> Speed of the contact loop on a settled bed: 50 000 spheres of 1 mm on a base of 50 x 50 mm, k_n = 200 N/m,
-!> e = 0.9, mu = 0.1, dt = t_c/50, shaken so that the lists are made anew about every 200 steps.
+!> Speed of the contact loop in beds of its own making: k_n = 200 N/m, e = 0.9, mu = 0.1, dt = t_c/50.
 !>
-!> usage: bench_contacts [steps] [friction] [file]. The settled bed is kept in `file` and taken from it if there.
+!>   W1  settled bed of 50 000 spheres of 1 mm on a base of 50 x 50 mm, shaken so that lists are made about every 200 steps
+!>   W2  the same of 200 000, on 100 x 100 mm
+!>   W3  the same of 50 000, log-normal by number between 0.5 and 2 mm
+!>   W4  granular gas of 50 000 spheres of 1 mm, solids 0.05, in a box with walls
+!>   frictionless, hertz, rolling, cohesion  W1 with other laws; still: W1 of springs alone
+!>
+!> usage: bench_contacts [folder [workload [steps]]]. All workloads if none is named, W2 on more than one rank. Beds are kept in
+!> `folder`, if one is given, and taken from there. With 0 steps: where the parcels are after 100, into the folder.
+!>
+!> ranks: 1 2
 program bench_contacts
   use chamber, only: chamber_t
   use communicator, only: communicator_t, start_ranks, stop_ranks
@@ -14,19 +22,33 @@ program bench_contacts
   use solids, only: solids_t
   implicit none
 
-  integer, parameter :: n = 50000
-  real(wp), parameter :: diameter = 1.0e-3_wp, density = 2500.0_wp, base = 0.05_wp, height = 0.08_wp
+  !> A workload: parcels in their box.
+  type :: bed_t
+    character(len=16) :: name = ' '
+    integer :: n = 50000
+    real(wp) :: box(3) = [0.05_wp, 0.05_wp, 0.08_wp]  !< [m]
+    logical :: gas = .false.                          !< a granular gas, else a settled bed
+    real(wp), allocatable :: x(:,:)                   !< (3,n) [m]
+    real(wp), allocatable :: diameter(:)              !< (n) [m]
+    type(contact_settings_t) :: contact
+  end type bed_t
+
+  real(wp), parameter :: density = 2500.0_wp, weight_of_gravity = 9.81_wp
+  character(len=16), parameter :: all_names(9) = [character(len=16) :: 'W1', 'W2', 'W3', 'W4', 'frictionless', 'hertz', &
+    'rolling', 'cohesion', 'still']
   type(communicator_t) :: comm
-  real(wp) :: position(3, n), friction
-  integer :: steps
-  character(len=256) :: file
+  character(len=16) :: name
+  character(len=256) :: folder
+  integer :: i, steps
 
   call start_ranks(comm)
-  steps = nint(number(1, 2000.0_wp))
-  friction = number(2, 0.1_wp)
-  call get_command_argument(3, file)
-  call settled_bed(position)
-  call time_loop(position)
+  call get_command_argument(1, folder)
+  call get_command_argument(2, name)
+  if (comm%size > 1 .and. name == ' ') name = 'W2'
+  steps = nint(number(3, 1000.0_wp))
+  do i = 1, size(all_names)
+    if ((name == ' ' .and. all_names(i) /= 'still') .or. name == all_names(i)) call measure(all_names(i))
+  end do
   call stop_ranks()
 
 contains
@@ -43,152 +65,299 @@ contains
     if (len_trim(text) > 0) read (text, *) number
   end function number
 
-  !> Positions of the bed at rest, from the file or from a fall of a loose lattice.
-  subroutine settled_bed(x)
-    real(wp), intent(out) :: x(3, n)
+  subroutine measure(workload)
+    character(len=*), intent(in) :: workload
 
-    integer :: unit, status, i
-    character(len=80) :: message
+    type(bed_t) :: bed
 
+    call make(workload, bed)
+    select case (workload)
+    case ('frictionless')
+      bed%contact%friction = 0.0_wp
+    case ('still')
+      bed%contact%friction = 0.0_wp
+      bed%contact%restitution = 1.0_wp
+    case ('rolling')
+      bed%contact%rolling = 'spring'
+      bed%contact%rolling_friction = 0.05_wp
+    case ('cohesion')
+      bed%contact%cohesion = 'linear'
+      bed%contact%cohesion_energy = 1.0e3_wp
+    case ('hertz')
+      bed%contact%law = 'hertz'
+      bed%contact%youngs_modulus = 5.0e6_wp
+      bed%contact%poisson_ratio = 0.25_wp
+      bed%contact%impact_velocity = 0.1_wp
+    case default
+      continue
+    end select
+    if (steps > 0) then
+      call time_loop(bed)
+    else
+      call follow(bed)
+    end if
+  end subroutine measure
+
+  !> Parcels on a loose lattice.
+  function new_bed(workload) result(bed)
+    character(len=*), intent(in) :: workload
+    type(bed_t) :: bed
+
+    real(wp) :: pitch
+    integer :: k, side(2)
+
+    bed%name = workload
+    bed%contact%stiffness = 200.0_wp
+    bed%contact%friction = 0.1_wp
+    pitch = 0.05_wp/43
+    select case (workload)
+    case ('W2')
+      bed%n = 200000
+      bed%box = [0.1_wp, 0.1_wp, 0.08_wp]
+    case ('W3')
+      pitch = 0.05_wp/22
+      bed%box(3) = 0.3_wp
+    case ('W4')
+      bed%gas = .true.
+      bed%box = (bed%n*pi/6*1.0e-9_wp/0.05_wp)**(1.0_wp/3.0_wp)
+      pitch = bed%box(1)/37
+    case default
+      continue
+    end select
+    side = int(bed%box(1:2)/pitch*(1 + 1e-9_wp))
+    allocate (bed%x(3, bed%n), bed%diameter(bed%n))
+    do k = 1, bed%n
+      bed%x(:, k) = pitch*([modulo(k - 1, side(1)), modulo((k - 1)/side(1), side(2)), (k - 1)/product(side)] + 0.5_wp)
+      bed%x(:, k) = bed%x(:, k) + 0.07e-3_wp*sin(k*[12.9898_wp, 78.233_wp, 37.719_wp])
+      bed%diameter(k) = 1.0e-3_wp
+      if (workload == 'W3') bed%diameter(k) = log_normal(modulo(k*0.6180339887498949_wp, 1.0_wp))
+    end do
+  end function new_bed
+
+  !> A diameter of the log-normal distribution with median 1 mm and spread 0.35, clipped to [0.5, 2] mm, at a quantile [m].
+  pure function log_normal(quantile) result(diameter)
+    real(wp), intent(in) :: quantile
+    real(wp) :: diameter
+
+    real(wp) :: low, high
+    integer :: k
+
+    low = log(0.5_wp)
+    high = log(2.0_wp)
+    do k = 1, 40
+      if (erf((low + high)/2/0.35_wp/sqrt(2.0_wp)) < (2*quantile - 1)*erf(log(2.0_wp)/0.35_wp/sqrt(2.0_wp))) then
+        low = (low + high)/2
+      else
+        high = (low + high)/2
+      end if
+    end do
+    diameter = 1.0e-3_wp*exp(low)
+  end function log_normal
+
+  !> A bed at rest or the gas, from its file or made.
+  recursive subroutine make(workload, bed)
+    character(len=*), intent(in) :: workload
+    type(bed_t), intent(out) :: bed
+
+    type(bed_t) :: part
+    integer :: unit, status
+    character(len=300) :: file, message
+
+    bed = new_bed(workload)
+    file = trim(folder)//'/'//merge('W1', workload(1:2), workload(1:1) /= 'W')//'.bed'
     open (newunit=unit, file=file, access='stream', form='unformatted', status='old', action='read', iostat=status, iomsg=message)
-    if (len_trim(file) > 0 .and. status == 0) then
-      read (unit) x
+    if (len_trim(folder) > 0 .and. status == 0) then
+      read (unit) bed%x, bed%diameter
       close (unit)
       return
     end if
-    x = reshape([(lattice(i), i=1, n)], [3, n])
-    call settle(x, stiffness=20.0_wp, time=0.12_wp)
-    call settle(x, stiffness=60.0_wp, time=0.02_wp)
-    call settle(x, stiffness=200.0_wp, time=0.04_wp)
-    if (len_trim(file) == 0) return
+    if (workload == 'W2') then
+      call make('W1', part)
+      bed%x = mirrored(mirrored(part%x, 1, part%box(1)), 2, part%box(2))
+      call settle(bed, stiffness=200.0_wp, time=0.01_wp)
+    else if (.not. bed%gas) then
+      call settle(bed, stiffness=20.0_wp, time=merge(0.2_wp, 0.12_wp, workload == 'W3'))
+      call settle(bed, stiffness=60.0_wp, time=0.02_wp)
+      call settle(bed, stiffness=200.0_wp, time=0.04_wp)
+    end if
+    if (len_trim(folder) == 0 .or. .not. comm%is_root()) return
     open (newunit=unit, file=file, access='stream', form='unformatted', status='replace', action='write')
-    write (unit) x
+    write (unit) bed%x, bed%diameter
     close (unit)
-  end subroutine settled_bed
+  end subroutine make
 
-  !> Place i of a jittered cubic lattice [m].
-  pure function lattice(i) result(x)
-    integer, intent(in) :: i
-    real(wp) :: x(3)
+  !> Places and their images behind a wall at the far end of an axis.
+  pure function mirrored(x, axis, wall) result(both)
+    real(wp), intent(in) :: x(:,:)  !< (3,n) [m]
+    integer, intent(in) :: axis
+    real(wp), intent(in) :: wall    !< [m]
+    real(wp) :: both(3, 2*size(x, 2))
 
-    integer, parameter :: side = 43
-    real(wp), parameter :: pitch = base/side
+    integer :: n
 
-    x = pitch*([modulo(i - 1, side), modulo((i - 1)/side, side), (i - 1)/side**2] + 0.5_wp)
-    x = x + 0.07e-3_wp*sin(i*[12.9898_wp, 78.233_wp, 37.719_wp])
-  end function lattice
+    n = size(x, 2)
+    both(:, 1:n) = x
+    both(:, n + 1:) = x
+    both(axis, n + 1:) = 2*wall - x(axis, :)
+  end function mirrored
 
-  subroutine new_bed(bed, x, stiffness, restitution)
-    type(solids_t), intent(out) :: bed
-    real(wp), intent(in) :: x(3*n), stiffness, restitution
+  subroutine start(bed, contact, solids)
+    type(bed_t), intent(in) :: bed
+    type(contact_settings_t), intent(in) :: contact
+    type(solids_t), intent(out) :: solids
 
     type(chamber_t) :: chamber
-    type(contact_settings_t) :: contact
-    integer :: i
+    real(wp) :: v(3, bed%n)
+    integer :: k, n
 
     chamber%lower = 0.0_wp
-    chamber%upper = [base, base, height]
-    chamber%gravity = [0.0_wp, 0.0_wp, -9.81_wp]
-    contact%stiffness = stiffness
-    contact%restitution = restitution
-    contact%friction = friction
-    call bed%create(comm, chamber, contact, des_settings_t(), .false., 0.0_wp)
-    if (comm%is_root()) then
-      call bed%add(reshape(x, [3, n]), spread([0.0_wp, 0.0_wp, 0.0_wp], 2, n), spread(diameter, 1, n), &
-                   spread(1.0_wp, 1, n), spread(density, 1, n), spread(1, 1, n), [(int(i, i8), i=1, n)])
+    chamber%upper = bed%box
+    v = 0.0_wp
+    if (bed%gas) then
+      v = reshape([(0.5_wp*sin(k*0.7548776662466927_wp*k), k=1, size(v))], shape(v))
     else
-      call bed%add(reshape([real(wp) ::], [3, 0]), reshape([real(wp) ::], [3, 0]), [real(wp) ::], [real(wp) ::], &
-                   [real(wp) ::], [integer ::], [integer(i8) ::])
+      chamber%gravity = [0.0_wp, 0.0_wp, -weight_of_gravity]
     end if
-  end subroutine new_bed
+    call solids%create(comm, chamber, contact, des_settings_t(), .false., 0.0_wp)
+    n = merge(bed%n, 0, comm%is_root())
+    call solids%add(bed%x(:, 1:n), v(:, 1:n), bed%diameter(1:n), spread(1.0_wp, 1, n), spread(density, 1, n), &
+                    spread(1, 1, n), [(int(k, i8), k=1, n)])
+  end subroutine start
 
   !> Let the parcels fall for a time, with little restitution; softer ones fall in fewer steps.
-  subroutine settle(x, stiffness, time)
-    real(wp), intent(inout) :: x(3, n)
+  subroutine settle(bed, stiffness, time)
+    type(bed_t), intent(inout) :: bed
     real(wp), intent(in) :: stiffness, time  !< [N/m], [s]
 
-    type(solids_t) :: bed
+    type(solids_t) :: solids
+    type(contact_settings_t) :: contact
     type(outcome_t) :: outcome
     real(wp) :: dt
-    integer :: i
+    integer :: k
 
-    call new_bed(bed, reshape(x, [3*n]), stiffness, restitution=0.3_wp)
-    dt = bed%time_step_limit()
-    call bed%advance(nint(time/dt), dt, outcome)
-    if (outcome%failed()) print '(a)', outcome%message
-    x = 0.0_wp
-    do i = 1, bed%parcels%n
-      x(:, bed%parcels%id(i)) = bed%parcels%state(1:3, i)
+    contact = bed%contact
+    contact%stiffness = stiffness
+    contact%restitution = 0.3_wp
+    call start(bed, contact, solids)
+    dt = solids%time_step_limit()
+    call solids%advance(nint(time/dt), dt, outcome)
+    if (outcome%failed()) call fail(outcome)
+    bed%x = 0.0_wp
+    do k = 1, solids%parcels%n
+      bed%x(:, solids%parcels%id(k)) = solids%parcels%state(1:3, k)
     end do
-    do i = 1, 3
-      x(i, :) = comm%sum(x(i, :))
+    do k = 1, 3
+      bed%x(k, :) = comm%sum(bed%x(k, :))
     end do
-    if (comm%is_root()) print '(a,f8.4,a,es9.2)', 'settled to a height of ', maxval(x(3, :)), &
-      ' m, largest speed [m/s] ', sqrt(maxval(sum(bed%parcels%state(5:7, 1:bed%parcels%n)**2, 1)))
+    if (comm%is_root()) print '(2a,f8.4,a,es9.2)', bed%name, 'settled to a height of ', maxval(bed%x(3, :)), &
+      ' m, largest speed [m/s] ', sqrt(maxval(sum(solids%parcels%state(5:7, 1:solids%parcels%n)**2, 1)))
   end subroutine settle
 
   !> The loop in blocks of 200 steps, each followed by new lists; the two timed apart.
-  subroutine time_loop(x)
-    real(wp), intent(in) :: x(3, n)
+  subroutine time_loop(bed)
+    type(bed_t), intent(in) :: bed
 
     integer, parameter :: block = 200, part = 20
-    type(solids_t) :: bed
+    type(solids_t) :: solids
     type(outcome_t) :: outcome
-    integer :: k, made
+    integer :: k, made, blocks
     logical :: changed
-    real(wp) :: dt, stepping(2), making(2), before(2)
+    real(wp) :: dt, stepping, making, before, parcel_steps
 
-    call new_bed(bed, reshape(x, [3*n]), stiffness=200.0_wp, restitution=0.9_wp)
-    dt = 0.4_wp*bed%time_step_limit()
-    call bed%advance(100, dt, outcome)
-    call bed%rebalance(changed, outcome)
+    call start(bed, bed%contact, solids)
+    dt = 0.4_wp*solids%time_step_limit()
+    call solids%advance(merge(3000, 100, bed%gas), dt, outcome)
+    call solids%rebalance(changed, outcome)
     stepping = 0
     making = 0
-    do made = 1, max(1, steps/block)
-      before = clocks()
+    blocks = max(1, steps/block)
+    do made = 1, blocks
+      before = clock()
       do k = 1, block/part
-        bed%chamber%gravity(3) = -9.81_wp*(1 + 0.5_wp*sin(2*pi*50*bed%time))
-        call bed%advance(part, dt, outcome)
+        if (.not. bed%gas) solids%chamber%gravity(3) = -weight_of_gravity*(1 + 0.5_wp*sin(2*pi*50*solids%time))
+        call solids%advance(part, dt, outcome)
       end do
-      stepping = stepping + clocks() - before
-      before = clocks()
-      call bed%renew_lists(outcome)
-      making = making + clocks() - before
+      stepping = stepping + clock() - before
+      before = clock()
+      call solids%renew_lists(outcome)
+      making = making + clock() - before
     end do
-    if (outcome%failed()) print '(a)', outcome%message
-    if (.not. comm%is_root()) return
-    made = max(1, steps/block)
-    print '(a,i0,2(a,f6.3),a,f6.1)', 'steps ', made*block, '  pairs listed per parcel ', &
-      real(bed%list%entries, wp)/bed%parcels%n, '  close ', real(bed%pairs%n, wp)/bed%parcels%n, &
-      '  bytes per parcel ', real(bytes(bed), wp)/bed%parcels%n
-    print '(a,2(f7.3,a))', 'new lists  ', making(1)/n/made*1e6_wp, ' us per parcel, ', &
-      making(2)/n/made*1e6_wp, ' by processor time'
-    print '(a,2(f7.3,a))', 'with lists ', n*1e-6_wp*made*block/(stepping(1) + making(1)), ' M parcel-steps/s, ', &
-      n*1e-6_wp*made*block/(stepping(2) + making(2)), ' by processor time'
-    print '(a,es12.4,a)', 'bench contacts_rate ', n*made*block/(stepping(1) + making(1)), ' parcel-steps/s'
-    print '(a,es12.4,a)', 'bench contacts_list ', making(1)/n/made*1e6_wp, ' us/parcel'
-    print '(a,es12.4,a)', 'bench contacts_memory ', real(bytes(bed), wp)/bed%parcels%n, ' bytes/parcel'
+    if (outcome%failed()) call fail(outcome)
+    parcel_steps = real(bed%n, wp)*blocks*block
+    call report(bed, 'rate', parcel_steps/(stepping + making), 'parcel-steps/s')
+    call report(bed, 'list', making/bed%n/blocks*1e6_wp, 'us/parcel')
+    call report(bed, 'memory', comm%sum(real(bytes(solids), wp))/bed%n, 'bytes/parcel')
+    call report(bed, 'contacts', 2*comm%sum(real(touching(solids), wp))/bed%n, 'per_parcel')
   end subroutine time_loop
 
-  !> Time on the wall and of the processor [s].
-  function clocks() result(now)
-    real(wp) :: now(2)
+  !> Places after 100 steps from rest, by id, into the folder.
+  subroutine follow(bed)
+    type(bed_t), intent(inout) :: bed
+
+    type(solids_t) :: solids
+    type(outcome_t) :: outcome
+    integer :: unit, k
+
+    call start(bed, bed%contact, solids)
+    call solids%advance(100, 0.4_wp*solids%time_step_limit(), outcome)
+    do k = 1, bed%n
+      bed%x(:, solids%parcels%id(k)) = solids%parcels%state(1:3, k)
+    end do
+    open (newunit=unit, file=trim(folder)//'/'//trim(bed%name)//'.after', access='stream', form='unformatted', &
+          status='replace', action='write')
+    write (unit) bed%x
+    close (unit)
+  end subroutine follow
+
+  subroutine fail(outcome)
+    type(outcome_t), intent(in) :: outcome
+
+    print '(a)', outcome%message
+    error stop 3
+  end subroutine fail
+
+  subroutine report(bed, quantity, value, unit)
+    type(bed_t), intent(in) :: bed
+    character(len=*), intent(in) :: quantity, unit
+    real(wp), intent(in) :: value
+
+    if (comm%is_root()) print '(5a,es12.4,2a)', 'bench contacts_', trim(bed%name), '_', quantity, ' ', value, ' ', unit
+  end subroutine report
+
+  !> Pairs in contact; half of each that is seen from two ranks.
+  pure function touching(solids) result(contacts)
+    type(solids_t), intent(in) :: solids
+    real(wp) :: contacts
+
+    integer :: k
+
+    contacts = 0
+    do k = 1, solids%list%entries
+      associate (a => solids%parcels%state(1:4, solids%list%row(k)), b => solids%parcels%state(1:4, solids%list%partner(k)))
+        if (norm2(a(1:3) - b(1:3)) < a(4) + b(4)) contacts = contacts &
+                                                             + merge(1.0_wp, 0.5_wp, solids%list%partner(k) <= solids%parcels%n)
+      end associate
+    end do
+  end function touching
+
+  !> [s]
+  function clock() result(now)
+    real(wp) :: now
 
     integer(int64) :: count, rate
 
     call system_clock(count, rate)
-    now(1) = real(count, wp)/rate
-    call cpu_time(now(2))
-  end function clocks
+    now = real(count, wp)/rate
+  end function clock
 
   !> What the loop keeps of its parcels and pairs [bytes].
-  pure function bytes(bed)
-    type(solids_t), intent(in) :: bed
+  pure function bytes(solids)
+    type(solids_t), intent(in) :: solids
     integer(int64) :: bytes
 
-    associate (p => bed%parcels)
+    associate (p => solids%parcels)
       bytes = p%n*(8_int64*(size(p%state, 1) + size(p%force, 1) + size(p%aside, 1) + 3 + 2 + 1) + 4) &
-              + bed%list%entries*8_int64 + bed%pairs%n*(12_int64 + merge(32, 0, p%rotation))
+              + solids%list%entries*8_int64 + solids%pairs%n*(12_int64 + merge(32, 0, p%rotation))
     end associate
   end function bytes
 

@@ -15,6 +15,7 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
+BEDS = ROOT / "build/beds"  # what a program makes for itself once
 
 
 def ranks_of(source):
@@ -32,7 +33,7 @@ def processor():
 
 def measure(program, ranks):
     """One run: what it measured, and the lines it printed."""
-    command = ["sh", str(ROOT / "src/build/launch.sh"), str(ranks), str(program)]
+    command = ["sh", str(ROOT / "src/build/launch.sh"), str(ranks), str(program), str(BEDS)]
     done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT)
     if done.returncode:
         sys.exit(f"{program.name} on {ranks} ranks: exit {done.returncode}\n{done.stdout}{done.stderr}")
@@ -44,6 +45,7 @@ def measure(program, ranks):
 
 def main(build, result):
     measured = {}
+    BEDS.mkdir(exist_ok=True)
     for source in sorted((ROOT / "tests/bench").glob("bench_*.f90")):
         for ranks in ranks_of(source):
             measured |= measure(ROOT / build / "tests/bench" / source.stem, ranks)
