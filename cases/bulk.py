@@ -17,12 +17,17 @@ SEED = 1
 
 
 def run_all(here, variants, program):
-    """Run case.nml of a folder with the keys of each variant, {name: ["group%key=value", ...]}; {name: folder of results}."""
+    """Run case.nml of a folder with the keys of each variant, {name: ["group%key=value", ...]}; {name: folder of results}.
+
+    The seed is SEED where a variant names none.
+    """
 
     def run(name):
         out = here / "results" / name
         shutil.rmtree(out, ignore_errors=True)
-        sets = [f"parcels%seed={SEED}", *variants[name]]
+        sets = variants[name]
+        if not any(option.startswith("parcels%seed=") for option in sets):
+            sets = [f"parcels%seed={SEED}", *sets]
         command = ["sh", str(ROOT / "src/build/launch.sh"), "1", str(program), str(here / "case.nml"), "--out", str(out),
                    *(word for option in sets for word in ("--set", option))]
         done = subprocess.run(command, capture_output=True, text=True)
@@ -39,10 +44,10 @@ def program():
     return sys.argv[1] if len(sys.argv) > 1 else str(ROOT / "build/geldart")
 
 
-def write_table(path, header, rows, *remarks):
+def write_table(path, header, rows, *remarks, seeds=(SEED,)):
     version = subprocess.run([program(), "--version"], capture_output=True, text=True, check=True).stdout.strip()
     with path.open("w", newline="") as file:
-        file.write(f"# {version}; cases/{path.parent.name}/validate.py; seed {SEED}\n")
+        file.write(f"# {version}; cases/{path.parent.name}/validate.py; seed {' and '.join(map(str, seeds))}\n")
         file.writelines(f"# {remark}\n" for remark in remarks)
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(header)
