@@ -19,6 +19,7 @@ module chamber
     logical :: periodic(3) = .false.         !< whether opposite faces are joined
     logical :: open(2, 3) = .false.          !< low and high face of each direction: parcels leave there
     real(wp) :: gravity(3) = 0.0_wp          !< [m/s2]
+    integer :: face_material(n_faces) = 0    !< see contact_pairs
     integer :: n_planes = 0, n_shells = 0, n_meshes = 0
     type(plane_t), allocatable :: planes(:)  !< exist if there are any
     type(shell_t), allocatable :: shells(:)  !< exist if there are any
@@ -33,6 +34,8 @@ module chamber
     procedure :: find_images
     procedure :: shift
     procedure :: is_wall
+    procedure :: material_of
+    procedure :: materials
     procedure :: distance
     procedure :: approach
     procedure :: approach_shell
@@ -177,6 +180,36 @@ contains
     axis = (face + 1)/2
     is_wall = .not. (self%periodic(axis) .or. self%open(face - 2*axis + 2, axis))
   end function is_wall
+
+  !> What a wall is made of: see contact_pairs.
+  pure function material_of(self, face) result(material)
+    class(chamber_t), intent(in) :: self
+    integer, intent(in) :: face
+    integer :: material
+
+    if (face >= self%first_triangle()) then
+      material = self%meshes(self%mesh_of(face))%material
+    else if (face > n_faces + self%n_planes) then
+      material = self%shells(face - n_faces - self%n_planes)%material
+    else if (face > n_faces) then
+      material = self%planes(face - n_faces)%material
+    else
+      material = self%face_material(face)
+    end if
+  end function material_of
+
+  !> What all walls are made of.
+  pure function materials(self)
+    class(chamber_t), intent(in) :: self
+    integer, allocatable :: materials(:)
+
+    integer :: face
+
+    materials = pack(self%face_material, [(self%is_wall(face), face=1, n_faces)])
+    if (self%n_planes > 0) materials = [materials, self%planes%material]
+    if (self%n_shells > 0) materials = [materials, self%shells%material]
+    if (self%n_meshes > 0) materials = [materials, self%meshes%material]
+  end function materials
 
   !> Distance of a point from a wall, positive where parcels may be [m].
   pure function distance(self, face, x)

@@ -101,7 +101,7 @@ contains
   end subroutine remind
 
   !> Parcels have gone so far at most.
-  pure subroutine note_way(self, way)
+  elemental subroutine note_way(self, way)
     class(close_pairs_t), intent(inout) :: self
     real(wp), intent(in) :: way  !< [m]
 

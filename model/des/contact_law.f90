@@ -2,15 +2,16 @@
 !> that the choice costs nothing.
 module contact_law
   use cohesion, only: cohesion_t
-  use constants, only: pi, is_set
-  use contact_hertz, only: hertz_t, new_hertz, elastic_t, hertz_friction_forces, hertz_frictionless_forces
+  use constants, only: pi
+  use contact_hertz, only: hertz_t, new_hertz, hertz_friction_forces, hertz_frictionless_forces
   use contact_linear, only: linear_t, new_linear, linear_friction_forces, linear_frictionless_forces
+  use contact_pairs, only: pair_t
   use contact_settings, only: contact_settings_t
   use kinds, only: wp
   use rolling, only: rolling_t
   implicit none
   private
-  public :: contact_law_t, new_pair_law, new_wall_law, friction_forces, frictionless_forces
+  public :: contact_law_t, new_law, friction_forces, frictionless_forces
 
   type :: contact_law_t
     logical :: hertzian = .false.    !< whether it is `hertz`, else `linear`
@@ -26,50 +27,22 @@ module contact_law
 
 contains
 
-  !> Between two parcels.
-  pure function new_pair_law(settings) result(law)
+  !> Between two partners of a pair of materials.
+  pure function new_law(settings, pair) result(law)
     type(contact_settings_t), intent(in) :: settings
+    type(pair_t), intent(in) :: pair
     type(contact_law_t) :: law
 
-    type(elastic_t) :: material
-
     law%hertzian = settings%law == 'hertz'
-    law%mu = settings%friction
+    law%mu = pair%friction
     if (law%hertzian) then
-      material = elastic_t(settings%youngs_modulus, settings%poisson_ratio)
-      law%hertz = new_hertz(material, material, settings%restitution, settings%tangential_damping_ratio, law%mu)
+      law%hertz = new_hertz(pair%one, pair%other, pair%restitution, pair%tangential_damping_ratio, law%mu)
     else
-      law%linear = new_linear(settings%stiffness, settings%tangential_ratio, settings%restitution, &
-                              settings%tangential_damping_ratio, law%mu)
+      law%linear = new_linear(pair%stiffness, pair%tangential_ratio, pair%restitution, pair%tangential_damping_ratio, law%mu)
     end if
-    law%rolling = rolling_of(settings, settings%rolling_friction, law)
-    law%cohesion = cohesion_of(settings, settings%hamaker_constant, settings%cohesion_energy)
-  end function new_pair_law
-
-  !> Between a parcel and a wall. What is not set for walls is as between parcels.
-  pure function new_wall_law(settings) result(law)
-    type(contact_settings_t), intent(in) :: settings
-    type(contact_law_t) :: law
-
-    type(elastic_t) :: parcel, wall
-    real(wp) :: restitution
-
-    law%hertzian = settings%law == 'hertz'
-    law%mu = given(settings%wall_friction, settings%friction)
-    restitution = given(settings%wall_restitution, settings%restitution)
-    if (law%hertzian) then
-      parcel = elastic_t(settings%youngs_modulus, settings%poisson_ratio)
-      wall = elastic_t(given(settings%wall_youngs_modulus, settings%youngs_modulus), &
-                       given(settings%wall_poisson_ratio, settings%poisson_ratio))
-      law%hertz = new_hertz(parcel, wall, restitution, settings%tangential_damping_ratio, law%mu)
-    else
-      law%linear = new_linear(given(settings%wall_stiffness, settings%stiffness), settings%tangential_ratio, restitution, &
-                              settings%tangential_damping_ratio, law%mu)
-    end if
-    law%rolling = rolling_of(settings, given(settings%wall_rolling_friction, settings%rolling_friction), law)
-    law%cohesion = cohesion_of(settings, given(settings%wall_hamaker_constant, settings%hamaker_constant), &
-                               given(settings%wall_cohesion_energy, settings%cohesion_energy))
-  end function new_wall_law
+    law%rolling = rolling_of(settings, pair%rolling_friction, law)
+    law%cohesion = cohesion_of(settings, pair%hamaker_constant, pair%cohesion_energy)
+  end function new_law
 
   !> Resistance to rolling beside a law that is complete but for it.
   pure function rolling_of(settings, mu, law) result(rolling)
@@ -106,13 +79,6 @@ contains
     case default
     end select
   end function cohesion_of
-
-  pure function given(key, default)
-    real(wp), intent(in) :: key, default
-    real(wp) :: given
-
-    given = merge(key, default, is_set(key))
-  end function given
 
   !> The length of the steps that follow, and the number of the next.
   pure subroutine set_step(self, dt, step)

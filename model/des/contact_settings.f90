@@ -1,8 +1,9 @@
-!> The &contact group: springs, dashpots and friction between parcels, and against walls.
+!> The &contact group: springs, dashpots and friction between parcels, and against walls; and the materials that depart from it.
 module contact_settings
   use case_keys, only: keys_t
   use constants, only: unset, is_set
   use kinds, only: wp
+  use material_settings, only: material_settings_t, pair_settings_t
   use text, only: word_length
   implicit none
   private
@@ -39,6 +40,14 @@ module contact_settings
     character(len=word_length) :: cohesion_scaling = 'none'     !< or 'bond_number': see coarse_graining
     character(len=word_length) :: stiffness_scaling = 'none'    !< or 'constant_modulus': see coarse_graining
     character(len=word_length) :: restitution_scaling = 'none'  !< or 'dissipation'
+    real(wp) :: coarseness = unset                    !< with scaling: width of a parcel over its particle's [-]
+    character(len=word_length) :: wall_material_id = ''  !< key wall_material: of the faces, and of walls that name none
+    integer :: wall_material = 0                      !< its place in `materials`; 0: none, as above
+    type(material_settings_t), allocatable :: materials(:)  !< exist if there are any
+    type(pair_settings_t), allocatable :: pairs(:)          !< exist with materials
+    integer, allocatable :: powder_material(:)              !< of each powder; 0: none, as above. Exists with materials
+  contains
+    procedure :: must_give
   end type contact_settings_t
 
 contains
@@ -53,7 +62,7 @@ contains
     call keys%get('law', settings%law, 'linear: spring and dashpot; hertz: Hertz and Mindlin', 'linear | hertz')
     hertz = settings%law == 'hertz'
     call keys%get('stiffness', settings%stiffness, 'normal spring between parcels, k_n [N/m]', '(0, inf)', &
-                  required=.not. hertz, when='for linear')
+                  required=settings%must_give('stiffness') .and. .not. hertz, when='for linear, unless all materials give it')
     call declare_hertz(settings, hertz, keys)
     call keys%get('tangential_ratio', settings%tangential_ratio, 'linear: tangential over normal stiffness [-]', '(0, 2]')
     call keys%get('restitution', settings%restitution, 'normal restitution, e_n [-]', '[0.01, 1]')
@@ -69,7 +78,8 @@ contains
                   'constant_modulus: as given times their width over that of their particles', 'none | constant_modulus')
     call keys%get('restitution_scaling', settings%restitution_scaling, 'restitution of parcels: none: as given; '// &
                   'dissipation: less, so that they dissipate as their particles do', 'none | dissipation')
-    if (.not. is_set(settings%wall_friction)) return
+    call declare_wall_material(settings, keys)
+    if (allocated(settings%materials) .or. .not. is_set(settings%wall_friction)) return
     call keys%require(settings%friction > 0 .or. .not. settings%wall_friction > 0, 'wall_friction', &
                       'needs friction between parcels, too: parcels without friction do not rotate')
   end subroutine declare_contact
@@ -89,7 +99,8 @@ contains
     call keys%get('rolling_damping', settings%rolling_damping, 'spring: its damping over the critical one [-]', '[0, 1]')
     call keys%get('wall_rolling_friction', settings%wall_rolling_friction, 'mu_r against walls; as parcels if not given [-]', &
                   '[0, 10]')
-    call keys%require(settings%friction > 0 .or. .not. on, 'rolling', 'needs friction: parcels without it do not rotate')
+    call keys%require(settings%friction > 0 .or. allocated(settings%materials) .or. .not. on, 'rolling', &
+                      'needs friction: parcels without it do not rotate')
     call keys%require(on .or. settings%rolling /= 'none' .or. .not. is_set(settings%rolling_friction), 'rolling_friction', &
                       'belongs to rolling = ''constant_torque'' or ''spring''')
   end subroutine declare_rolling
@@ -145,16 +156,61 @@ contains
                       'other: at most a tenth of the effective modulus, E/(2 (1 - nu^2))')
   end subroutine check_cohesion
 
-  !> Keys of the law of Hertz, which may stand where the linear one is chosen, so that one line changes it.
-  subroutine declare_hertz(settings, required, keys)
+  !> The material of walls, which takes the place of what else is said of them.
+  subroutine declare_wall_material(settings, keys)
     type(contact_settings_t), intent(inout) :: settings
-    logical, intent(in) :: required
     type(keys_t), intent(inout) :: keys
 
+    character(len=*), parameter :: own(5) = [character(len=19) :: 'wall_stiffness', 'wall_youngs_modulus', 'wall_poisson_ratio', &
+                                             'wall_restitution', 'wall_friction']
+    integer :: i
+
+    call keys%get_optional_reference('wall_material', settings%wall_material_id, settings%wall_material, 'material', &
+                                     'what faces of the domain, and walls that do not say, are made of, a &material')
+    if (.not. keys%given('wall_material')) return
+    do i = 1, size(own)
+      call keys%require(.not. keys%given(trim(own(i))), trim(own(i)), 'belongs to walls without a material; there are none')
+    end do
+  end subroutine declare_wall_material
+
+  !> Whether a property is asked of &contact: whether some powder has no material, or one that does not give it.
+  pure function must_give(self, property) result(must)
+    class(contact_settings_t), intent(in) :: self
+    character(len=*), intent(in) :: property
+    logical :: must
+
+    integer :: i
+
+    must = .true.
+    if (.not. (allocated(self%materials) .and. allocated(self%powder_material))) return
+    do i = 1, size(self%powder_material)
+      if (self%powder_material(i) == 0) return
+      associate (material => self%materials(self%powder_material(i)))
+        select case (property)
+        case ('stiffness')
+          if (.not. is_set(material%stiffness)) return
+        case ('youngs_modulus')
+          if (.not. is_set(material%youngs_modulus)) return
+        case default
+          if (.not. is_set(material%poisson_ratio)) return
+        end select
+      end associate
+    end do
+    must = .false.
+  end function must_give
+
+  !> Keys of the law of Hertz, which may stand where the linear one is chosen, so that one line changes it.
+  subroutine declare_hertz(settings, hertz, keys)
+    type(contact_settings_t), intent(inout) :: settings
+    logical, intent(in) :: hertz
+    type(keys_t), intent(inout) :: keys
+
+    character(len=*), parameter :: when = 'for hertz, unless all materials give it'
+
     call keys%get('youngs_modulus', settings%youngs_modulus, 'Young''s modulus of the parcels'' material [Pa]', '(0, inf)', &
-                  required=required, when='for hertz')
+                  required=hertz .and. settings%must_give('youngs_modulus'), when=when)
     call keys%get('poisson_ratio', settings%poisson_ratio, 'Poisson''s ratio of the parcels'' material [-]', '(-1, 0.5)', &
-                  required=required, when='for hertz')
+                  required=hertz .and. settings%must_give('poisson_ratio'), when=when)
     call keys%get('wall_youngs_modulus', settings%wall_youngs_modulus, 'hertz: that of the walls, 1e30 for rigid ones; '// &
                   'as parcels if not given [Pa]', '(0, inf)')
     call keys%get('wall_poisson_ratio', settings%wall_poisson_ratio, 'hertz: that of the walls; as parcels if not given [-]', &

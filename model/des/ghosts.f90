@@ -20,11 +20,12 @@ module ghosts
 contains
 
   !> Find out who must see my parcels, and receive all of others' that I must see.
-  subroutine invite(self, tiles, range, parcels)
+  subroutine invite(self, tiles, range, parcels, with_powder)
     class(ghosts_t), intent(inout) :: self
     type(tiles_t), intent(in) :: tiles
     real(wp), intent(in) :: range           !< of contacts [m]
     type(parcels_t), intent(inout) :: parcels
+    logical, intent(in) :: with_powder      !< whether contacts depend on the powder
 
     integer, allocatable :: destination(:), column(:)
     real(wp), allocatable :: shift(:,:)
@@ -40,6 +41,10 @@ contains
     allocate (ids(1, parcels%n_ghost))
     call self%route%send(reshape(parcels%id(column), [1, size(column)]), ids)
     parcels%id(parcels%n + 1:parcels%n_all()) = ids(1, :)
+    if (with_powder) then
+      call self%route%send(reshape(int(parcels%powder(column), i8), [1, size(column)]), ids)
+      parcels%powder(parcels%n + 1:parcels%n_all()) = int(ids(1, :))
+    end if
     call self%route%refresh(parcels%state, size(parcels%state, 1), parcels%n + 1)
     parcels%force(:, parcels%n + 1:parcels%n_all()) = 0.0_wp
   end subroutine invite

@@ -28,6 +28,7 @@ module mesh_wall
     integer, allocatable :: corner(:,:)     !< (3,n) numbers of the corners: where triangles share one it is the same
     type(surface_grid_t) :: grid
     type(wall_motion_t) :: motion
+    integer :: material = 0                 !< see contact_pairs
     logical :: moves = .false.              !< the wall itself
     logical :: slides = .false.             !< its surface, along itself
     real(wp) :: fastest = 0.0_wp            !< speed of the wall where it is highest [m/s]
@@ -58,6 +59,7 @@ contains
 
     wall%n = surface%n
     wall%before = before
+    wall%material = settings%material
     allocate (wall%shape(3, 4, surface%n), wall%bound(8, surface%n), wall%corner(3, surface%n))
     wall%corner(:, :) = surface%corner
     do t = 1, surface%n

@@ -11,6 +11,7 @@ module plane
     real(wp) :: point(3)   !< of the plane [m]
     real(wp) :: normal(3)  !< unit vector towards the parcels
     type(wall_motion_t) :: motion
+    integer :: material = 0  !< see contact_pairs
   contains
     procedure :: distance
   end type plane_t
@@ -24,6 +25,7 @@ contains
     plane%point = settings%point
     plane%normal = settings%direction()
     plane%motion = settings%motion()
+    plane%material = settings%material
   end function new_plane
 
   !> Distance of a point, positive on the parcels' side [m].

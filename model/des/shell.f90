@@ -27,6 +27,7 @@ module shell
     integer :: side = 1            !< without ends: 1 parcels inside, -1 outside
     integer :: joined(2) = 0       !< place of the shell that shares the rim at the start and at the end; 0 if none does
     type(wall_motion_t) :: motion
+    integer :: material = 0        !< see contact_pairs
   contains
     procedure :: approach
     procedure :: distance
@@ -44,6 +45,7 @@ contains
     shell%axis = settings%direction()
     shell%radius = settings%radius
     shell%motion = settings%motion()
+    shell%material = settings%material
     if (settings%kind == 'cone') then
       shell%generator = [norm2(settings%end_point - settings%point), settings%end_radius - settings%radius]
       shell%has_ends = .true.

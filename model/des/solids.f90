@@ -9,10 +9,10 @@ module solids
   use cohesion_sweep, only: attract_pairs, attract_walls
   use communicator, only: communicator_t
   use contact_history, only: history_t
-  use contact_law, only: contact_law_t, new_pair_law, new_wall_law
+  use contact_laws, only: contact_laws_t, new_contact_laws
   use contact_list, only: contact_list_t
+  use contact_parts, only: part_t, deal, gathered, sweep_pairs
   use contact_settings, only: contact_settings_t
-  use contact_sweep, only: sweep_friction, sweep_frictionless
   use constants, only: pi, is_set
   use des_settings, only: des_settings_t
   use ghosts, only: ghosts_t
@@ -21,6 +21,7 @@ module solids
   use motion, only: add_lead, take_lead, drift, kick_and_drift, farthest
   use neighbours, only: search_t
   use outcome, only: outcome_t
+  use parcel_extremes, only: widen_extremes
   use parcels, only: parcels_t, radius_row, mass_row, curvature_row
   use solids_trouble, only: find_trouble, check_period
   use tiles, only: tiles_t, new_tiles
@@ -40,12 +41,13 @@ module solids
     type(chamber_t) :: chamber
     type(contact_settings_t) :: contact
     type(des_settings_t) :: numerics
-    type(contact_law_t) :: pair_law, wall_law
+    type(contact_laws_t) :: laws
     type(parcels_t) :: parcels
     type(tiles_t) :: tiles               !< exist once parcels do
     integer :: tilings = 0               !< how often tiles were made or changed hands
     type(contact_list_t) :: list
     type(close_pairs_t) :: pairs         !< pairs of the list
+    type(part_t), allocatable :: parts(:)  !< with several laws: list and pairs dealt by them, which take the place of `pairs`
     type(wall_list_t) :: walls
     type(ghosts_t) :: ghosts
     type(history_t) :: history           !< slips between two lists
@@ -55,7 +57,7 @@ module solids
     real(wp) :: reach = 0.0_wp           !< of the attraction, from surface to surface [m]
     real(wp) :: range = 0.0_wp           !< largest distance of the centres of a listed pair [m]
     real(wp) :: smallest_radius = huge(1.0_wp), largest_radius = 0.0_wp  !< on all ranks [m]
-    real(wp) :: smallest_mass = huge(1.0_wp)                             !< of a parcel, on all ranks [kg]
+    real(wp), allocatable :: lightest(:), smallest(:)  !< (0:M) mass [kg] and radius [m] of a parcel of each material, on all ranks
     real(wp) :: largest_ratio = 0.0_wp   !< of radius over mass of a parcel, on all ranks [m/kg]
     real(wp) :: time = 0.0_wp            !< [s]
     real(wp) :: step = 0.0_wp            !< steps done; a real, as the slips keep it
@@ -91,24 +93,21 @@ contains
     logical, intent(in) :: with_gas         !< whether a gas drives the parcels
     real(wp), intent(in) :: tile_width      !< least width of a tile [m]; 0: as thin as contacts allow
 
-    logical :: friction
-
     self%comm = comm
     self%chamber = chamber
     self%contact = contact
     self%numerics = numerics
     self%tile_width = tile_width
-    self%pair_law = new_pair_law(contact)
-    self%wall_law = new_wall_law(contact)
-    friction = self%pair_law%mu > 0.0_wp .or. self%wall_law%mu > 0.0_wp
-    self%pairs%with_history = friction
-    self%walls%with_history = friction
-    self%pairs%with_angles = self%pair_law%rolling%spring .or. self%wall_law%rolling%spring
+    self%laws = new_contact_laws(contact, chamber%materials())
+    if (size(self%laws%pair) > 1) allocate (self%parts(size(self%laws%pair)))
+    allocate (self%lightest(0:self%laws%materials()), self%smallest(0:self%laws%materials()), source=huge(1.0_wp))
+    self%pairs%with_history = self%laws%friction
+    self%walls%with_history = self%laws%friction
+    self%pairs%with_angles = any(self%laws%pair%rolling%spring) .or. any(self%laws%wall%rolling%spring)
     self%walls%with_angles = self%pairs%with_angles
     if (self%pairs%with_angles) self%history%rows = 6
-    if (self%pair_law%cohesion%on) self%reach = self%pair_law%cohesion%reach
-    if (self%wall_law%cohesion%on) self%reach = self%wall_law%cohesion%reach
-    call self%parcels%create(friction, with_gas)
+    self%reach = max(0.0_wp, maxval(self%laws%pair%cohesion%reach), maxval(self%laws%wall%cohesion%reach))
+    call self%parcels%create(self%laws%friction, with_gas)
     call self%history%clear()
   end subroutine create
 
@@ -168,20 +167,12 @@ contains
   subroutine set_reach(self)
     class(solids_t), intent(inout) :: self
 
-    real(wp) :: extremes(4), width
+    real(wp) :: width
 
-    associate (p => self%parcels)
-      extremes = -huge(1.0_wp)
-      if (p%n > 0) extremes = [maxval(p%state(radius_row, 1:p%n)), -minval(p%state(radius_row, 1:p%n)), &
-                               maxval(p%state(mass_row, 1:p%n)), &
-                               maxval(p%state(radius_row, 1:p%n)*p%state(mass_row, 1:p%n))]
-    end associate
-    extremes = self%comm%max(extremes)
-    if (extremes(1) < 0.0_wp) return
-    self%largest_radius = max(self%largest_radius, extremes(1))
-    self%smallest_radius = min(self%smallest_radius, -extremes(2))
-    self%smallest_mass = min(self%smallest_mass, 1/extremes(3))
-    self%largest_ratio = max(self%largest_ratio, extremes(4))
+    call widen_extremes(self%comm, self%laws, self%parcels, self%largest_radius, self%largest_ratio, self%smallest, &
+                        self%lightest)
+    if (.not. self%largest_radius > 0.0_wp) return
+    self%smallest_radius = minval(self%smallest)
     self%skin = given(self%numerics%skin, automatic_skin*typical_width(self))
     self%range = 2*self%largest_radius + self%skin + self%reach
     call self%search%set_levels(self%smallest_radius, self%largest_radius)
@@ -202,7 +193,7 @@ contains
     width = 2*sqrt(self%smallest_radius*self%largest_radius)
   end function typical_width
 
-  !> The longest solids step, from the shortest collision, or swing by attraction, of two parcels or of a parcel and a wall [s].
+  !> The longest solids step, from the shortest collision, or swing by attraction, of any two parcels or of one and a wall [s].
   !> The collision of Hertz's law goes with the fifth root of the speed, for which `impact_velocity` stands unless a higher one is
   !> given.
   function time_step_limit(self, speed) result(dt)
@@ -217,12 +208,8 @@ contains
     else
       fastest = self%contact%impact_velocity
       if (present(speed)) fastest = max(fastest, speed)
-      associate (m => self%smallest_mass, r => self%smallest_radius)
-        dt = min(self%pair_law%contact_time(0.5_wp*m, 0.5_wp*r, fastest), &
-                 self%wall_law%contact_time(m, r, fastest), &
-                 self%pair_law%cohesion%time(self%largest_ratio), &
-                 self%wall_law%cohesion%time(self%largest_ratio))/self%numerics%steps_per_collision
-      end associate
+      dt = min(self%laws%contact_time(self%lightest, self%smallest, fastest), self%laws%swing_time(self%largest_ratio)) &
+           /self%numerics%steps_per_collision
     end if
   end function time_step_limit
 
@@ -285,21 +272,28 @@ contains
     class(solids_t), intent(inout) :: self
     real(wp), intent(in) :: dt  !< [s]
 
+    real(wp) :: lengths(3)
+    integer :: law
+
     self%step = self%step + 1
-    call self%pair_law%set_step(dt, self%step)
-    call self%wall_law%set_step(dt, self%step)
-    associate (state => self%parcels%state, force => self%parcels%force)
-      call self%pairs%keep_close(self%list, state, dt*self%speed, self%skin, typical_width(self))
-      if (self%parcels%rotation) then
-        call sweep_friction(self%pair_law, self%pairs, state, force)
-      else
-        call sweep_frictionless(self%pair_law, self%pairs, state, force)
-      end if
-    end associate
+    call self%laws%set_step(dt, self%step)
+    lengths = [dt*self%speed, self%skin, typical_width(self)]
+    if (.not. allocated(self%parts)) then
+      call sweep_pairs(self%laws%pair(1), self%list, self%pairs, lengths, self%parcels)
+    else
+      do law = 1, size(self%parts)
+        call sweep_pairs(self%laws%pair(law), self%parts(law)%list, self%parts(law)%pairs, lengths, self%parcels)
+      end do
+    end if
     self%walls%step = self%step
-    call self%walls%sweep(self%chamber, self%wall_law, self%parcels)
-    if (self%pair_law%cohesion%on) call attract_pairs(self%pair_law%cohesion, self%list, self%parcels)
-    if (self%wall_law%cohesion%on) call attract_walls(self%wall_law%cohesion, self%chamber, self%walls, self%parcels)
+    call self%walls%sweep(self%chamber, self%laws, self%parcels)
+    associate (pair => self%laws%pair(1)%cohesion)  ! the same of all
+      if (pair%on) call attract_pairs(pair, self%list, self%parcels)
+    end associate
+    if (size(self%laws%wall) == 0) return
+    associate (wall => self%laws%wall(1)%cohesion)
+      if (wall%on) call attract_walls(wall, self%chamber, self%walls, self%parcels)
+    end associate
   end subroutine find_forces
 
   !> After a drift: make new lists if some parcel or wall may have gone half the skin, else refresh the ghosts.
@@ -323,6 +317,7 @@ contains
     self%speed = sqrt(largest(1))
     self%travelled = self%travelled + time*self%speed
     call self%pairs%note_way(time*self%speed)
+    if (allocated(self%parts)) call self%parts%pairs%note_way(time*self%speed)
     if (self%travelled > 0.5_wp*self%skin) self%travelled = self%comm%max(farthest(self%parcels))
     wall_way = self%chamber%fastest*(self%chamber%time - self%listed_at)
     if (max(self%travelled, wall_way) > nearly*0.5_wp*self%skin) then
@@ -338,6 +333,7 @@ contains
 
     call self%history%clear()
     if (self%parcels%rotation .and. self%rebuilds > 0) then
+      if (allocated(self%parts)) self%pairs = gathered(self%parts)
       call self%history%collect(self%pairs, self%walls, self%parcels, self%step)
     end if
   end subroutine keep_history
@@ -382,11 +378,14 @@ contains
     call self%parcels%reorder(order)
     place(order) = [(i, i=1, size(order))]
     call self%history%follow(place)
-    call self%ghosts%invite(self%tiles, self%range, self%parcels)
+    call self%ghosts%invite(self%tiles, self%range, self%parcels, with_powder=allocated(self%parts))
     call self%search%build(self%parcels, self%skin + self%reach, self%list)
     call self%pairs%take_all(self%list)
     call self%walls%build(self%chamber, self%parcels, 0.5_wp*self%skin + self%reach)
     if (self%parcels%rotation) call self%history%restore(self%list, self%pairs, self%walls, self%parcels, self%step)
+    if (allocated(self%parts)) then
+      call deal(self%list, self%pairs, self%laws, self%parcels%powder(1:self%parcels%n_all()), self%parts)
+    end if
     self%rebuilds = self%rebuilds + 1
   end subroutine make_lists
 

@@ -6,6 +6,7 @@
 !> keep a parcel with its contacts, parcels find their way and the run goes on to rounding.
 module solids_state
   use contact_history, only: history_t
+  use contact_parts, only: gathered
   use kinds, only: wp, i8
   use outcome, only: outcome_t
   use parcels, only: parcels_t, coupled_rows, radius_row, mass_row, curvature_row
@@ -24,6 +25,7 @@ module solids_state
     real(wp) :: scalars(n_scalars) = 0.0_wp
     integer(i8) :: counts(n_counts) = 0_i8      !< parcels added, parcels left, lists made, lists weighed
     integer, allocatable :: owner(:)            !< rank of each tile
+    real(wp), allocatable :: least(:,:)         !< (2,materials) with several: smallest mass [kg] and radius [m] of a parcel
     ! Of this rank.
     !> (22 or 34, n) 1:3 position, 4:6 position when the lists were made [m], 7:9 velocity, 10:12 angular velocity
     !> times radius [m/s], 13 collision radius [m], 14 inverse mass [1/kg], 15 diameter [m], 16 weight, 17:22
@@ -68,8 +70,13 @@ contains
     allocate (state%owner(0))
     if (allocated(solids%tiles%owner)) state%owner = solids%tiles%owner
     state%scalars = [solids%time, solids%step, solids%travelled, solids%mass_added, solids%mass_left, &
-                     solids%largest_radius, solids%smallest_radius, solids%smallest_mass, solids%listed_at, &
+                     solids%largest_radius, solids%smallest_radius, minval(solids%lightest), solids%listed_at, &
                      solids%largest_ratio]
+    if (size(solids%lightest) > 1) then
+      allocate (state%least(2, size(solids%lightest)))
+      state%least(1, :) = solids%lightest
+      state%least(2, :) = solids%smallest
+    end if
     state%counts = [solids%added, solids%left, solids%rebuilds, solids%weighed]
     call export_contacts(solids, state)
   end subroutine export_state
@@ -85,7 +92,11 @@ contains
     history%rows = solids%history%rows
     call history%clear()
     if (solids%parcels%rotation .and. solids%rebuilds > 0) then
-      call history%collect(solids%pairs, solids%walls, solids%parcels, solids%step)
+      if (allocated(solids%parts)) then
+        call history%collect(gathered(solids%parts), solids%walls, solids%parcels, solids%step)
+      else
+        call history%collect(solids%pairs, solids%walls, solids%parcels, solids%step)
+      end if
     end if
     do m = 1, history%n
       i = history%own(m)
@@ -138,7 +149,14 @@ contains
     solids%mass_left = state%scalars(5)
     solids%largest_radius = state%scalars(6)
     solids%smallest_radius = state%scalars(7)
-    solids%smallest_mass = state%scalars(8)
+    solids%smallest(:) = state%scalars(7)
+    solids%lightest(:) = state%scalars(8)
+    if (allocated(state%least)) then
+      if (size(state%least, 2) == size(solids%lightest)) then  ! else the case has been given other materials
+        solids%lightest(:) = state%least(1, :)
+        solids%smallest(:) = state%least(2, :)
+      end if
+    end if
     solids%listed_at = state%scalars(9)
     solids%largest_ratio = state%scalars(10)
     solids%added = state%counts(1)

@@ -1,9 +1,10 @@
 !> What is kept of parcels near walls: which wall it is, and what a contact with it remembers.
 module wall_entries
+  use chamber, only: chamber_t
   use kinds, only: wp
   implicit none
   private
-  public :: wall_entries_t
+  public :: wall_entries_t, shift_of
 
   type :: wall_entries_t
     logical :: with_history = .false.
@@ -41,5 +42,16 @@ contains
     self%slip(:, entry) = [memory(1:3), step]
     if (self%with_angles) self%angle(:, entry) = memory(4:6)
   end subroutine remind
+
+  !> What brings a parcel to the image of it that is near the triangle of an entry [m].
+  pure function shift_of(self, chamber, entry) result(shift)
+    class(wall_entries_t), intent(in) :: self
+    type(chamber_t), intent(in) :: chamber
+    integer, intent(in) :: entry
+    real(wp) :: shift(3)
+
+    shift = 0.0_wp
+    if (any(chamber%periodic)) shift = chamber%shift(self%image(entry))
+  end function shift_of
 
 end module wall_entries

@@ -30,6 +30,8 @@ module wall_settings
     real(wp) :: velocity(3) = 0.0_wp                !< of the surface, along itself; of a mesh that does not stay [m/s]
     real(wp) :: angular_velocity(3) = 0.0_wp        !< of the surface, onto itself; of a mesh that does not stay [rad/s]
     real(wp) :: rotation_centre(3) = unset          !< [m]
+    character(len=word_length) :: material_id = ''  !< key material
+    integer :: material = 0                         !< place of that record; 0: that of all walls
   contains
     procedure :: has_length
     procedure :: has_shape
@@ -76,6 +78,8 @@ contains
     if (mesh) settings%rotation_centre = settings%offset
     call keys%get('rotation_centre', settings%rotation_centre, 'a point of the axis of rotation; point, or offset of a mesh, '// &
                   'if not given [m]')
+    call keys%get_optional_reference('material', settings%material_id, settings%material, 'material', &
+                                     'what it is made of, a &material; wall_material of &contact if not given')
     call keys%require(.not. mesh .or. keys%given('file'), 'file', 'is missing; it is required for a mesh')
     call check_keys(settings, keys)
     if (settings%has_shape()) call check_motion(settings, keys)

@@ -1,19 +1,20 @@
 !> Contacts of parcels with the plane faces of the chamber and the walls within it.
 !>
 !> A wall is a partner of infinite mass and no radius or curvature in the parcel's foot point, the nearest point of the wall,
-!> and moves as its surface does there; the law is the one of parcels, with the constants of the wall.
+!> and moves as its surface does there; the law is the one of parcels, with the constants of the parcel's and the wall's materials.
 !>
 !> A wall of triangles has an entry for every triangle near a parcel. Those of one parcel follow each other, and which of them are
 !> contacts is found together.
 module walls
+  use close_pairs, only: never
   use contact_lanes, only: lanes
   use contact_law, only: contact_law_t, friction_forces, frictionless_forces
-  use close_pairs, only: never
+  use contact_laws, only: contact_laws_t
   use kinds, only: wp
   use mesh_contacts, only: find_contacts, hand_over
   use mesh_wall, only: closest
   use parcels, only: parcels_t
-  use wall_entries, only: wall_entries_t
+  use wall_entries, only: wall_entries_t, shift_of
   use wall_rolling, only: roll
   use chamber, only: chamber_t, face_normal, n_faces
   implicit none
@@ -165,23 +166,23 @@ contains
   end subroutine add_triangles
 
   !> Add the forces and torques of all walls.
-  pure subroutine sweep(self, chamber, law, parcels)
+  pure subroutine sweep(self, chamber, laws, parcels)
     class(wall_list_t), intent(inout) :: self
     type(chamber_t), intent(in) :: chamber
-    type(contact_law_t), intent(in) :: law
+    type(contact_laws_t), intent(in) :: laws
     type(parcels_t), intent(inout) :: parcels
 
     self%through = 0
-    call sweep_faces(self, chamber, law, parcels)
-    if (chamber%n_planes > 0) call sweep_planes(self, chamber, law, parcels)
-    if (chamber%n_shells > 0) call sweep_shells(self, chamber, law, parcels)
-    if (chamber%n_meshes > 0) call sweep_meshes(self, chamber, law, parcels)
+    call sweep_faces(self, chamber, laws, parcels)
+    if (chamber%n_planes > 0) call sweep_planes(self, chamber, laws, parcels)
+    if (chamber%n_shells > 0) call sweep_shells(self, chamber, laws, parcels)
+    if (chamber%n_meshes > 0) call sweep_meshes(self, chamber, laws, parcels)
   end subroutine sweep
 
-  pure subroutine sweep_faces(self, chamber, law, parcels)
+  pure subroutine sweep_faces(self, chamber, laws, parcels)
     type(wall_list_t), intent(inout) :: self
     type(chamber_t), intent(in) :: chamber
-    type(contact_law_t), intent(in) :: law
+    type(contact_laws_t), intent(in) :: laws
     type(parcels_t), intent(inout) :: parcels
 
     real(wp) :: pair(8, block_pairs), d
@@ -201,17 +202,17 @@ contains
         end if
       end associate
       if (n == block_pairs) then
-        call apply(self, chamber, law, touching(1:n), pair, parcels)
+        call apply(self, chamber, laws, touching(1:n), pair, parcels)
         n = 0
       end if
     end do
-    if (n > 0) call apply(self, chamber, law, touching(1:n), pair, parcels)
+    if (n > 0) call apply(self, chamber, laws, touching(1:n), pair, parcels)
   end subroutine sweep_faces
 
-  pure subroutine sweep_planes(self, chamber, law, parcels)
+  pure subroutine sweep_planes(self, chamber, laws, parcels)
     type(wall_list_t), intent(inout) :: self
     type(chamber_t), intent(in) :: chamber
-    type(contact_law_t), intent(in) :: law
+    type(contact_laws_t), intent(in) :: laws
     type(parcels_t), intent(inout) :: parcels
 
     real(wp) :: pair(8, block_pairs), d
@@ -232,17 +233,17 @@ contains
         end if
       end associate
       if (n == block_pairs) then
-        call apply(self, chamber, law, touching(1:n), pair, parcels)
+        call apply(self, chamber, laws, touching(1:n), pair, parcels)
         n = 0
       end if
     end do
-    if (n > 0) call apply(self, chamber, law, touching(1:n), pair, parcels)
+    if (n > 0) call apply(self, chamber, laws, touching(1:n), pair, parcels)
   end subroutine sweep_planes
 
-  pure subroutine sweep_shells(self, chamber, law, parcels)
+  pure subroutine sweep_shells(self, chamber, laws, parcels)
     type(wall_list_t), intent(inout) :: self
     type(chamber_t), intent(in) :: chamber
-    type(contact_law_t), intent(in) :: law
+    type(contact_laws_t), intent(in) :: laws
     type(parcels_t), intent(inout) :: parcels
 
     real(wp) :: pair(8, block_pairs), way(3), d
@@ -264,17 +265,17 @@ contains
         end if
       end associate
       if (n == block_pairs) then
-        call apply(self, chamber, law, touching(1:n), pair, parcels)
+        call apply(self, chamber, laws, touching(1:n), pair, parcels)
         n = 0
       end if
     end do
-    if (n > 0) call apply(self, chamber, law, touching(1:n), pair, parcels)
+    if (n > 0) call apply(self, chamber, laws, touching(1:n), pair, parcels)
   end subroutine sweep_shells
 
-  pure subroutine sweep_meshes(self, chamber, law, parcels)
+  pure subroutine sweep_meshes(self, chamber, laws, parcels)
     type(wall_list_t), intent(inout) :: self
     type(chamber_t), intent(in) :: chamber
-    type(contact_law_t), intent(in) :: law
+    type(contact_laws_t), intent(in) :: laws
     type(parcels_t), intent(inout) :: parcels
 
     real(wp) :: pair(8, block_pairs)
@@ -284,17 +285,17 @@ contains
     w = self%kind_end(3) + 1
     do while (w <= self%kind_end(4))
       last = self%end_of_run(chamber, w)
-      call sweep_run(self, chamber, law, parcels, [w, last], touching, n, pair)
+      call sweep_run(self, chamber, laws, parcels, [w, last], touching, n, pair)
       w = last + 1
     end do
-    if (n > 0) call apply(self, chamber, law, touching(1:n), pair, parcels)
+    if (n > 0) call apply(self, chamber, laws, touching(1:n), pair, parcels)
   end subroutine sweep_meshes
 
   !> The contacts of one parcel with one mesh.
-  pure subroutine sweep_run(self, chamber, law, parcels, range, touching, n, pair)
+  pure subroutine sweep_run(self, chamber, laws, parcels, range, touching, n, pair)
     type(wall_list_t), intent(inout) :: self
     type(chamber_t), intent(in) :: chamber
-    type(contact_law_t), intent(in) :: law
+    type(contact_laws_t), intent(in) :: laws
     type(parcels_t), intent(inout) :: parcels
     integer, intent(in) :: range(2)                    !< entries
     integer, intent(inout) :: touching(:), n           !< contacts that wait for the law
@@ -325,7 +326,7 @@ contains
         pair(5:7, n) = s(5:7) - wall%velocity(s(1:3) + shift_of(self, chamber, touching(n)) - pair(1:3, n), normal)
       end associate
       if (n == block_pairs) then
-        call apply(self, chamber, law, touching(1:n), pair, parcels)
+        call apply(self, chamber, laws, touching(1:n), pair, parcels)
         n = 0
       end if
     end do
@@ -376,19 +377,35 @@ contains
     end associate
   end subroutine look_at_run
 
-  !> What brings a parcel to the image of it that is near the triangle of an entry [m].
-  pure function shift_of(self, chamber, entry) result(shift)
-    type(wall_list_t), intent(in) :: self
+  !> Forces of a block of contacts with walls: those of each law together.
+  pure subroutine apply(self, chamber, laws, touching, pair, parcels)
+    class(wall_list_t), intent(inout) :: self
     type(chamber_t), intent(in) :: chamber
-    integer, intent(in) :: entry
-    real(wp) :: shift(3)
+    type(contact_laws_t), intent(in) :: laws
+    integer, intent(in) :: touching(:)                 !< (n) entries
+    real(wp), intent(inout) :: pair(8, block_pairs)    !< see contact_linear
+    type(parcels_t), intent(inout) :: parcels
 
-    shift = 0.0_wp
-    if (any(chamber%periodic)) shift = chamber%shift(self%image(entry))
-  end function shift_of
+    real(wp) :: chosen_pair(8, block_pairs)
+    integer :: chosen(block_pairs), law, m, n
 
-  !> Forces of a block of contacts with walls. Lanes left over repeat the last contact.
-  pure subroutine apply(self, chamber, law, touching, pair, parcels)
+    if (size(laws%wall) == 1) call apply_law(self, chamber, laws%wall(1), touching, pair, parcels)
+    do law = 1, merge(size(laws%wall), 0, size(laws%wall) > 1)
+      n = 0
+      do m = 1, size(touching)
+        associate (w => touching(m))
+          if (laws%of_wall(parcels%powder(self%parcel(w)), chamber%material_of(self%face(w))) /= law) cycle
+        end associate
+        n = n + 1
+        chosen(n) = touching(m)
+        chosen_pair(:, n) = pair(:, m)
+      end do
+      if (n > 0) call apply_law(self, chamber, laws%wall(law), chosen(1:n), chosen_pair, parcels)
+    end do
+  end subroutine apply
+
+  !> Forces of contacts of one law. Lanes left over repeat the last contact.
+  pure subroutine apply_law(self, chamber, law, touching, pair, parcels)
     class(wall_list_t), intent(inout) :: self
     type(chamber_t), intent(in) :: chamber
     type(contact_law_t), intent(in) :: law
@@ -425,6 +442,6 @@ contains
       self%slip(:, touching(m)) = slip(:, m)
       parcels%force(:, i) = parcels%force(:, i) + force(:, m)
     end do
-  end subroutine apply
+  end subroutine apply_law
 
 end module walls

@@ -18,6 +18,8 @@ module boundary_settings
     real(wp) :: mass_flow = unset                    !< inflow, instead of velocity: over the region [kg/s]
     real(wp) :: pressure = unset                     !< outflow [Pa]; unset: that of the gas
     character(len=word_length) :: parcels = 'wall'   !< 'wall': parcels bounce | 'open': they leave
+    character(len=word_length) :: material_id = ''   !< key material: of the wall
+    integer :: material = 0                          !< place of that record; 0: that of all walls
   end type boundary_settings_t
 
 contains
@@ -37,6 +39,8 @@ contains
     call keys%get('mass_flow', settings%mass_flow, 'inflow, instead of velocity: mass flow over the region [kg/s]', '[0, inf)')
     call keys%get('pressure', settings%pressure, 'outflow: pressure there; that of &gas if not given [Pa]')
     call keys%get('parcels', settings%parcels, 'whether parcels bounce or leave', 'wall | open')
+    call keys%get_optional_reference('material', settings%material_id, settings%material, 'material', &
+                                     'of a whole face: what it is made of, a &material; wall_material of &contact if not given')
     call check_boundary(settings, keys)
   end subroutine declare_boundary
 
@@ -50,6 +54,8 @@ contains
     if (all(is_set([settings%lower, settings%upper]))) then
       call keys%require(all(settings%upper >= settings%lower), 'upper', 'must not be below lower in x, y or z')
     end if
+    call keys%require(settings%parcels /= 'open' .or. .not. keys%given('material'), 'material', &
+                      'parcels leave there and touch nothing')
     if (len_trim(settings%kind) == 0) return
     speeds = count([keys%given('velocity'), keys%given('mass_flow')])
     if (settings%kind == 'inflow') then

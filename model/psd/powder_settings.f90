@@ -1,4 +1,4 @@
-!> A &powder record: one material with a distribution of real particle sizes.
+!> A &powder record: particles of one material with a distribution of real particle sizes.
 module powder_settings
   use case_keys, only: keys_t
   use constants, only: unset, is_set
@@ -18,6 +18,8 @@ module powder_settings
   type :: powder_settings_t
     character(len=word_length) :: id = ''
     real(wp) :: density = unset                              !< of a particle [kg/m3]
+    character(len=word_length) :: material_id = ''           !< key material
+    integer :: material = 0                                  !< place of that record; 0: none, contacts as &contact says
     character(len=word_length) :: distribution = 'single'    !< or 'normal', 'log_normal', 'sieve_table', 'number_table'
     character(len=word_length) :: basis = 'number'           !< normal, log_normal: 'number' | 'mass'
     real(wp) :: mean_diameter = unset                        !< of the distribution before clipping [m]
@@ -42,6 +44,8 @@ contains
 
     call keys%get_id(settings%id, 'name of the powder')
     call keys%get('density', settings%density, 'density of a particle [kg/m3]', '(0, inf)', required=.true., when='always')
+    call keys%get_optional_reference('material', settings%material_id, settings%material, 'material', &
+                                     'what its particles are made of, a &material; if not given, what &contact says')
     call keys%get('distribution', settings%distribution, 'distribution of the particle diameter', &
                   'single | normal | log_normal | sieve_table | number_table')
     tabulated = index(settings%distribution, 'table') > 0

@@ -2,14 +2,13 @@
 module case
   use boundary_settings, only: boundary_settings_t, declare_boundary
   use case_keys, only: keys_t
-  use constants, only: unset
   use contact_settings, only: contact_settings_t, declare_contact
   use coupling_settings, only: coupling_settings_t, declare_coupling
   use des_settings, only: des_settings_t, declare_des
   use domain_settings, only: domain_settings_t, declare_domain, declare_grid
   use gas_numerics, only: gas_numerics_t, declare_gas_numerics
   use gas_settings, only: gas_settings_t, declare_gas
-  use kinds, only: wp
+  use material_settings, only: declare_material, declare_pair
   use monitor_settings, only: monitor_settings_t, declare_monitor
   use output_settings, only: output_settings_t, declare_output
   use parcels_settings, only: parcels_settings_t, fill_settings_t, declare_parcels, declare_fill
@@ -27,7 +26,6 @@ module case
     character(len=:), allocatable :: text         !< with all values in effect, defaults included, as a case file
     logical :: with_gas = .false.
     logical :: with_parcels = .false.
-    real(wp) :: coarseness = unset                !< width of a parcel over its particle's, where contacts are scaled by it [-]
     type(run_settings_t) :: run
     type(domain_settings_t) :: domain             !< and grid
     type(gas_settings_t) :: gas
@@ -44,6 +42,8 @@ module case
     type(coupling_settings_t) :: coupling
     type(output_settings_t) :: output
     type(monitor_settings_t), allocatable :: monitors(:)
+  contains
+    procedure :: wall_materials
   end type case_t
 
 contains
@@ -105,7 +105,8 @@ contains
       call keys%open(i)
       call declare_table(case%tables(i), keys)
     end do
-    call keys%group('powder', 'a material and its particle sizes', when, required=case%with_parcels, repeated=.true.)
+    call declare_materials(case, keys)
+    call keys%group('powder', 'particles of one density and their sizes', when, required=case%with_parcels, repeated=.true.)
     allocate (case%powders(keys%number()))
     do i = 1, size(case%powders)
       call keys%open(i)
@@ -130,8 +131,33 @@ contains
     end do
     call keys%group('contact', 'springs, dashpots and friction', when, &
                     required=case%with_parcels, unwanted=.not. case%with_parcels)
+    if (allocated(case%contact%materials)) case%contact%powder_material = case%powders%material
     call declare_contact(case%contact, keys)
+    where (case%walls%material == 0) case%walls%material = case%contact%wall_material
   end subroutine declare_powder_groups
+
+  !> What powders and walls may be made of.
+  subroutine declare_materials(case, keys)
+    type(case_t), intent(inout) :: case
+    type(keys_t), intent(inout) :: keys
+
+    integer :: i
+
+    call keys%group('material', 'what powders and walls may be made of', 'optional, with &parcels; what it does not say is as '// &
+                    'in &contact', unwanted=.not. case%with_parcels, repeated=.true.)
+    if (keys%number() > 0) allocate (case%contact%materials(keys%number()))
+    do i = 1, keys%number()
+      call keys%open(i)
+      call declare_material(case%contact%materials(i), keys)
+    end do
+    call keys%group('material_pair', 'contacts between two materials', 'optional, with &material; what it does not say follows '// &
+                    'from the two', unwanted=.not. case%with_parcels, repeated=.true.)
+    if (allocated(case%contact%materials)) allocate (case%contact%pairs(keys%number()))
+    do i = 1, keys%number()
+      call keys%open(i)
+      call declare_pair(case%contact%pairs(i), case%contact%pairs(:i - 1), keys)
+    end do
+  end subroutine declare_materials
 
   subroutine declare_output_groups(case, keys)
     type(case_t), intent(inout) :: case
@@ -148,5 +174,14 @@ contains
       call declare_monitor(case%monitors(i), keys)
     end do
   end subroutine declare_output_groups
+
+  !> What faces and walls are made of, as far as is known: see contact_pairs.
+  pure function wall_materials(self) result(materials)
+    class(case_t), intent(in) :: self
+    integer, allocatable :: materials(:)
+
+    materials = [self%contact%wall_material, self%walls%material, &
+                 pack(self%boundaries%material, self%boundaries%material > 0)]
+  end function wall_materials
 
 end module case

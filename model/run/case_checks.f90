@@ -4,6 +4,7 @@ module case_checks
   use case, only: case_t
   use case_keys, only: keys_t
   use constants, only: is_set
+  use covered_faces, only: faces_covered
   use kinds, only: wp
   use outcome, only: outcome_t
   use parcel_plan, only: parcel_plan_t, new_parcel_plan
@@ -73,6 +74,10 @@ contains
       call keys%require_at(any(on(:, i)), 'boundary', i, '', 'touches no face of the domain, or not the middle of a cell''s')
       call keys%require_at(.not. any(on(:, i)) .or. any(on(:, i) .and. .not. [case%domain%periodic, case%domain%periodic]), &
                            'boundary', i, '', 'lies on a periodic face')
+      if (case%boundaries(i)%material > 0) then
+        call keys%require_at(any(faces_covered(case%domain, case%boundaries(i))), 'boundary', i, 'material', &
+                             'parcels know whole faces of the domain only, and it covers none')
+      end if
       do j = 1, i - 1
         call keys%require_at(.not. any([(overlap(case, i, j, side), side=1, 6)] .and. on(:, i) .and. on(:, j)), &
                              'boundary', i, '', 'overlaps &boundary('//trim(case%boundaries(j)%id)//')')

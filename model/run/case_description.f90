@@ -2,10 +2,12 @@
 module case_description
   use case, only: case_t
   use constants, only: is_set
+  use contact_description, only: describe_contact
   use contact_settings, only: contact_settings_t
   use kinds, only: wp
   use outcome, only: outcome_t
-  use parcel_plan, only: parcel_plan_t, new_parcel_plan
+  use parcel_plan, only: parcel_plan_t, new_parcel_plan, shortest_contact
+  use described_line, only: line
   use surface, only: surface_t
   use text, only: brief, shown
   implicit none
@@ -69,19 +71,30 @@ contains
         if (region%kind == 'outflow') text = text//' at '//shown(merge(region%pressure, case%gas%pressure, &
                                                                        is_set(region%pressure)))//' Pa'
         if (region%parcels == 'open') text = text//' open to parcels'
+        text = text//made_of(case, region%material)
         call line(unit, 'boundary', text)
       end associate
     end do
-    if (.not. all(case%domain%periodic)) call line(unit, '', 'the rest of the surface: wall')
+    if (.not. all(case%domain%periodic)) call line(unit, '', 'the rest of the surface: wall' &
+                                                //made_of(case, case%contact%wall_material))
   end subroutine describe_boundaries
+
+  !> ' of steel', nothing where no material is named.
+  pure function made_of(case, material) result(words)
+    type(case_t), intent(in) :: case
+    integer, intent(in) :: material
+    character(len=:), allocatable :: words
+
+    words = ''
+    if (material > 0) words = ' of '//trim(case%contact%materials(material)%id)
+  end function made_of
 
   subroutine describe_parcels(case, unit)
     type(case_t), intent(in) :: case
     integer, intent(in) :: unit
 
-    type(parcel_plan_t) :: plan
+    type(parcel_plan_t) :: plans(size(case%fills))
     type(outcome_t) :: outcome
-    real(wp) :: shortest
     integer :: i
 
     if (.not. case%with_parcels) then
@@ -89,14 +102,13 @@ contains
       return
     end if
     call line(unit, 'parcels', weighting_words(case)//'; seed '//shown(case%parcels%seed))
-    shortest = huge(shortest)
     do i = 1, size(case%fills)
-      call new_parcel_plan(case, i, plan, outcome)
-      call describe_fill(case, i, plan, unit)
-      if (plan%known) shortest = min(shortest, plan%contact_time)
+      call new_parcel_plan(case, i, plans(i), outcome)
+      call describe_fill(case, i, plans(i), unit)
     end do
     call describe_walls(case, unit)
-    call describe_contact(case, shortest, unit)
+    call describe_contact(case, unit)
+    call describe_steps(case, shortest_contact(case, plans), unit)
     if (case%with_gas) call line(unit, 'coupling', 'drag of '//trim(case%coupling%drag)//'; the gas sees a void fraction of ' &
                                  //shown(case%coupling%minimum_void_fraction)//' or more')
   end subroutine describe_parcels
@@ -114,6 +126,7 @@ contains
         if (wall%kind == 'cylinder' .and. wall%has_length()) text = text//' '//shown(wall%length)//' m long'
         if (wall%kind == 'cylinder' .and. .not. wall%has_length()) text = text//', parcels '//trim(wall%side)
         if (wall%kind == 'mesh') text = text//mesh_words(case%surfaces(i))//' from '//trim(wall%file)
+        text = text//made_of(case, wall%material)
         if (wall%stays) text = text//', at rest, its surface'
         if (norm2(wall%velocity) > 0) text = text//', running at '//brief(norm2(wall%velocity))//' m/s'
         if (norm2(wall%angular_velocity) > 0) text = text//', turning at '//brief(norm2(wall%angular_velocity))//' rad/s'
@@ -176,25 +189,14 @@ contains
     end associate
   end subroutine describe_fill
 
-  subroutine describe_contact(case, shortest, unit)
+  !> How many steps the parcels take.
+  subroutine describe_steps(case, shortest, unit)
     type(case_t), intent(in) :: case
     real(wp), intent(in) :: shortest  !< collision [s]; huge if not known
     integer, intent(in) :: unit
 
     real(wp) :: step
 
-    associate (contact => case%contact)
-      call line(unit, 'contact', law_words(contact)//', restitution '//shown(contact%restitution)//' for every pair')
-      if (is_set(case%coarseness)) call line(unit, '', 'scaled to parcels '//brief(case%coarseness) &
-                                             //' times as wide as their particles')
-      call describe_cohesion(contact, unit)
-      if (contact%friction > 0) then
-        call line(unit, '', 'friction '//shown(contact%friction)//': parcels rotate, contacts remember their slip')
-        call describe_rolling(contact, unit)
-      else
-        call line(unit, '', 'no friction: no rotation, no memory of contacts')
-      end if
-    end associate
     if (.not. shortest < huge(shortest)) return
     step = shortest/case%des%steps_per_collision
     step = case%gas_numerics%time_step/ceiling(case%gas_numerics%time_step/step)
@@ -202,54 +204,7 @@ contains
               shown(case%des%steps_per_collision)//' or more in the shortest collision, '//brief(shortest) &
               //' s'//impact_words(case%contact)//',')
     call line(unit, '', 'more where a parcel would move by over a tenth of the smallest radius in one')
-  end subroutine describe_contact
-
-  subroutine describe_cohesion(contact, unit)
-    type(contact_settings_t), intent(in) :: contact
-    integer, intent(in) :: unit
-
-    character(len=:), allocatable :: walls
-
-    walls = ''
-    select case (contact%cohesion)
-    case ('van_der_waals')
-      if (is_set(contact%wall_hamaker_constant)) walls = ', '//brief(contact%wall_hamaker_constant)//' J at walls'
-      call line(unit, '', 'van der Waals attraction, '//brief(contact%hamaker_constant)//' J'//walls//', up to a gap of ' &
-                //brief(contact%maximum_separation)//' m, constant below '//brief(contact%minimum_separation)//' m')
-    case ('linear')
-      if (is_set(contact%wall_cohesion_energy)) walls = ', '//brief(contact%wall_cohesion_energy)//' J/m3 at walls'
-      call line(unit, '', 'attraction '//brief(contact%cohesion_energy)//' J/m3 over the area of contact'//walls)
-    case default
-    end select
-  end subroutine describe_cohesion
-
-  subroutine describe_rolling(contact, unit)
-    type(contact_settings_t), intent(in) :: contact
-    integer, intent(in) :: unit
-
-    character(len=:), allocatable :: words
-
-    if (contact%rolling == 'none') return
-    words = 'rolling friction '//shown(contact%rolling_friction)
-    if (is_set(contact%wall_rolling_friction)) words = words//', '//shown(contact%wall_rolling_friction)//' on walls'
-    if (contact%rolling == 'spring') then
-      words = words//' by a spring: contacts remember the angle they have rolled'
-    else
-      words = words//' by a constant torque, which holds nothing at rest'
-    end if
-    call line(unit, '', words)
-  end subroutine describe_rolling
-
-  pure function law_words(contact) result(words)
-    type(contact_settings_t), intent(in) :: contact
-    character(len=:), allocatable :: words
-
-    if (contact%law == 'hertz') then
-      words = 'Hertz, modulus '//shown(contact%youngs_modulus)//' Pa, Poisson''s ratio '//shown(contact%poisson_ratio)
-    else
-      words = 'linear spring '//shown(contact%stiffness)//' N/m'
-    end if
-  end function law_words
+  end subroutine describe_steps
 
   pure function impact_words(contact) result(words)
     type(contact_settings_t), intent(in) :: contact
@@ -315,12 +270,5 @@ contains
     words = brief(x(1))
     if (brief(x(2)) /= words) words = words//' to '//brief(x(2))
   end function range_of
-
-  subroutine line(unit, head, words)
-    integer, intent(in) :: unit
-    character(len=*), intent(in) :: head, words
-
-    write (unit, '(a,t15,a)') head, words
-  end subroutine line
 
 end module case_description

@@ -68,6 +68,7 @@ contains
     call export_state(scene%solids, state)
     call file%add_copy('solids', [state%scalars, real(state%counts, wp)])
     call file%add_copy('tile_owner', state%owner)
+    if (allocated(state%least)) call file%add_copy('least', [state%least])
     call file%add('parcels', state%parcels)
     call file%add('parcel_labels', state%labels)
     call file%add('contact_partner', state%partner)
@@ -148,7 +149,7 @@ contains
     type(outcome_t), intent(inout) :: outcome
 
     type(solids_state_t) :: state
-    real(wp), allocatable :: numbers(:)
+    real(wp), allocatable :: numbers(:), least(:)
     integer :: contacts
 
     call file%get_copy('solids', numbers)
@@ -157,6 +158,10 @@ contains
       return
     end if
     call file%get_copy('tile_owner', state%owner)
+    if (file%has('least')) then
+      call file%get_copy('least', least)
+      state%least = reshape(least, [2, size(least)/2])
+    end if
     call file%get('parcels', state%parcels)
     call file%get('parcel_labels', state%labels)
     if (size(state%parcels, 1) /= parcel_rows(scene%with_gas)) then

@@ -18,7 +18,7 @@
 !> surfaces also goes as the mass. As given (none), k keeps cohesive stress and, with Hertz's law, the speed below which
 !> parcels stick: Thakur, Ooi & Ahmadian, Powder Technol. 293 (2016) 130-137, for forces that go as the square of the width.
 !>
-!> One law serves all parcels, so l is that of the mean weight: exactly W^(1/3) for SSW, and D over the width that
+!> One l serves all parcels: it is that of the mean weight: exactly W^(1/3) for SSW, and D over the width that
 !> has the mean volume of the particles for SSP, whose parcels share one width, mass and collision time.
 module coarse_graining
   use case, only: case_t
@@ -31,18 +31,19 @@ module coarse_graining
   use text, only: brief, shown
   implicit none
   private
-  public :: scale_contacts, scaled_restitution
+  public :: scale_contacts
 
   real(wp), parameter :: closeness = 1.0e-3_wp  !< of l: how far the parcels of two fills may be apart
   real(wp), parameter :: least = 0.01_wp        !< restitution that a dashpot may be asked for
 
 contains
 
-  !> Put the laws of the parcels in place of those of the particles. Once for a case that has been declared.
+  !> Note what scales the contacts of parcels, if the case asks for it: see contact_pairs. Once for a case that has been declared.
   subroutine scale_contacts(case, keys)
     type(case_t), intent(inout) :: case
     type(keys_t), intent(inout) :: keys
 
+    real(wp) :: l
     logical :: stiffness, restitution, attraction
     character(len=20) :: key
 
@@ -54,17 +55,10 @@ contains
     if (restitution) key = 'restitution_scaling'
     if (stiffness) key = 'stiffness_scaling'
     call find_coarseness(case, trim(key), keys)
-    if (.not. is_set(case%coarseness)) return
-    associate (c => case%contact, l => case%coarseness)
-      if (stiffness) then
-        if (is_set(c%stiffness)) c%stiffness = l*c%stiffness
-        if (is_set(c%wall_stiffness)) c%wall_stiffness = l*c%wall_stiffness
-      end if
-      if (attraction) call scale_attraction(l, c)
-      if (.not. restitution) return
-      call scale_restitution(l, 'restitution', c%restitution, keys)
-      if (is_set(c%wall_restitution)) call scale_restitution(l, 'wall_restitution', c%wall_restitution, keys)
-    end associate
+    if (.not. is_set(case%contact%coarseness)) return
+    l = case%contact%coarseness
+    if (attraction) call scale_attraction(l, case%contact)
+    if (restitution) call check_restitutions(case, keys)
   end subroutine scale_contacts
 
   !> l, the same for all fills.
@@ -87,10 +81,10 @@ contains
         return
       end if
       l = plan%mean_weight**(1.0_wp/3.0_wp)
-      if (i == 1) case%coarseness = l
-      if (abs(l - case%coarseness) <= closeness*l) cycle
+      if (i == 1) case%contact%coarseness = l
+      if (abs(l - case%contact%coarseness) <= closeness*l) cycle
       call keys%require_at(.false., 'contact', 1, trim(key), 'one contact law cannot serve parcels '//brief(l)//' and ' &
-                           //brief(case%coarseness)//' times as wide as their particles')
+                           //brief(case%contact%coarseness)//' times as wide as their particles')
       return
     end do
   end subroutine find_coarseness
@@ -106,30 +100,46 @@ contains
     if (is_set(contact%wall_cohesion_energy)) contact%wall_cohesion_energy = l**(1.0_wp/3.0_wp)*contact%wall_cohesion_energy
   end subroutine scale_attraction
 
-  subroutine scale_restitution(l, key, restitution, keys)
+  !> Every restitution that is given must leave one that dissipates as much as is asked for. What follows for other pairs lies
+  !> between those.
+  subroutine check_restitutions(case, keys)
+    type(case_t), intent(in) :: case
+    type(keys_t), intent(inout) :: keys
+
+    logical :: common
+    integer :: i
+
+    associate (c => case%contact)
+      common = .not. allocated(c%materials)
+      if (.not. common) common = any(c%powder_material == 0) .or. any(.not. is_set(c%materials%restitution))
+      if (common) call check_restitution(c%coarseness, 'contact', 1, 'restitution', c%restitution, keys)
+      call check_restitution(c%coarseness, 'contact', 1, 'wall_restitution', c%wall_restitution, keys)
+      if (.not. allocated(c%materials)) return
+      do i = 1, size(c%materials)
+        call check_restitution(c%coarseness, 'material', i, 'restitution', c%materials(i)%restitution, keys)
+      end do
+      do i = 1, size(c%pairs)
+        call check_restitution(c%coarseness, 'material_pair', i, 'restitution', c%pairs(i)%restitution, keys)
+      end do
+    end associate
+  end subroutine check_restitutions
+
+  !> Of one record, if it is given there.
+  subroutine check_restitution(l, group, i, key, restitution, keys)
     real(wp), intent(in) :: l
-    character(len=*), intent(in) :: key
-    real(wp), intent(inout) :: restitution
+    character(len=*), intent(in) :: group, key
+    integer, intent(in) :: i
+    real(wp), intent(in) :: restitution
     type(keys_t), intent(inout) :: keys
 
     real(wp) :: widest
 
-    if (1 - l*(1 - restitution**2) < least**2) then
-      widest = (1 - least**2)/(1 - restitution**2)
-      call keys%require_at(.false., 'contact', 1, key, 'no restitution of parcels dissipates as much: they are ' &
-                           //brief(l)//' times as wide as their particles, and at most '//brief(widest) &
-                           //' times, a weight of '//brief(widest**3)//', is possible')
-    else
-      restitution = scaled_restitution(l, restitution)
-    end if
-  end subroutine scale_restitution
-
-  !> e_cg for parcels l times as wide as their particles.
-  elemental function scaled_restitution(l, restitution) result(scaled)
-    real(wp), intent(in) :: l, restitution  !< [-], [-]
-    real(wp) :: scaled
-
-    scaled = sqrt(1 - l*(1 - restitution**2))
-  end function scaled_restitution
+    if (.not. is_set(restitution)) return
+    if (1 - l*(1 - restitution**2) >= least**2) return
+    widest = (1 - least**2)/(1 - restitution**2)
+    call keys%require_at(.false., group, i, key, 'no restitution of parcels dissipates as much: they are ' &
+                         //brief(l)//' times as wide as their particles, and at most '//brief(widest) &
+                         //' times, a weight of '//brief(widest**3)//', is possible')
+  end subroutine check_restitution
 
 end module coarse_graining

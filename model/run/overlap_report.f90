@@ -53,20 +53,35 @@ contains
     type(contact_settings_t), intent(in) :: contact
     integer, intent(in) :: unit
 
-    character(len=:), allocatable :: words
+    real(wp) :: factor
 
     write (unit, '(2x,a,t18,a)') 'overlap', 'at most '//brief(self%largest)//' of the radius; beyond 0.01, 0.05, 0.1 at most ' &
       //brief(self%beyond(1))//', '//brief(self%beyond(2))//', '//brief(self%beyond(3))//' of all contacts'
     if (self%largest <= tolerable) return
     if (contact%law == 'hertz') then
-      words = 'youngs_modulus = '//brief(contact%youngs_modulus*modulus_factor(self%largest, tolerable))//' Pa instead of ' &
-              //brief(contact%youngs_modulus)
+      factor = modulus_factor(self%largest, tolerable)
     else
-      words = 'stiffness = '//brief(contact%stiffness*stiffness_factor(self%largest, tolerable))//' N/m instead of ' &
-              //brief(contact%stiffness)
+      factor = stiffness_factor(self%largest, tolerable)
     end if
-    write (unit, '(2x,a,t18,a)') '', 'to stay within '//brief(tolerable)//' give &contact '//words//': ' &
+    write (unit, '(2x,a,t18,a)') '', 'to stay within '//brief(tolerable)//' '//advice(contact, factor)//': ' &
       //brief(self%largest/tolerable)//' times as many solids steps'
   end subroutine print_report
+
+  !> What to write into the case to make contacts stiffer by a factor.
+  pure function advice(contact, factor) result(words)
+    type(contact_settings_t), intent(in) :: contact
+    real(wp), intent(in) :: factor
+    character(len=:), allocatable :: words
+
+    if (allocated(contact%materials)) then
+      words = 'make all '//trim(merge('values of youngs_modulus', 'values of stiffness     ', contact%law == 'hertz')) &
+              //' '//brief(factor)//' times as large'
+    else if (contact%law == 'hertz') then
+      words = 'give &contact youngs_modulus = '//brief(contact%youngs_modulus*factor)//' Pa instead of ' &
+              //brief(contact%youngs_modulus)
+    else
+      words = 'give &contact stiffness = '//brief(contact%stiffness*factor)//' N/m instead of '//brief(contact%stiffness)
+    end if
+  end function advice
 
 end module overlap_report

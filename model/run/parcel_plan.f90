@@ -2,7 +2,7 @@
 module parcel_plan
   use case, only: case_t
   use constants, only: is_set, pi
-  use contact_law, only: contact_law_t, new_pair_law, new_wall_law
+  use contact_laws, only: contact_laws_t, new_contact_laws
   use kinds, only: wp
   use outcome, only: outcome_t
   use quantiles, only: quantiles_t
@@ -10,7 +10,7 @@ module parcel_plan
   use weighting, only: weighting_t, new_weighting, sphere_volume
   implicit none
   private
-  public :: parcel_plan_t, new_parcel_plan
+  public :: parcel_plan_t, new_parcel_plan, shortest_contact
 
   !> The parcels of one fill. A fill from a file has none of this.
   type :: parcel_plan_t
@@ -22,7 +22,8 @@ module parcel_plan
     real(wp) :: diameter(2) = 0        !< smallest and largest parcel [m]
     real(wp) :: weight(2) = 0          !< least and most particles in a parcel
     real(wp) :: mean_weight = 0        !< all particles over all parcels
-    real(wp) :: contact_time = 0       !< of the shortest collision [s]
+    real(wp) :: lightest = 0           !< mass of the smallest parcel [kg]
+    integer :: material = 0            !< of the powder: see contact_pairs
   end type parcel_plan_t
 
 contains
@@ -52,10 +53,8 @@ contains
       if (is_set(settings%mass)) plan%parcels = settings%mass/(case%powders(settings%powder)%density*parcel_volume)
       plan%volume = plan%parcels*parcel_volume
       call find_extremes(sizes%weighted_by(3*weighting%theta), weighting, plan)
-      if (is_set(merge(case%contact%youngs_modulus, case%contact%stiffness, case%contact%law == 'hertz'))) then
-        plan%contact_time = shortest_contact(case, case%powders(settings%powder)%density &
-                                             *sphere_volume(plan%diameter(1)), plan%diameter(1)/2)
-      end if
+      plan%lightest = case%powders(settings%powder)%density*sphere_volume(plan%diameter(1))
+      plan%material = case%powders(settings%powder)%material
       plan%known = .true.
     end associate
   end subroutine new_parcel_plan
@@ -75,20 +74,29 @@ contains
     plan%weight = [minval(plan%weight), maxval(plan%weight)]
   end subroutine find_extremes
 
-  !> Of two of the smallest parcels, or of one and a wall; or the swing by their attraction [s].
-  pure function shortest_contact(case, mass, radius) result(time)
+  !> The shortest collision, or swing by attraction, of the parcels of all plans that are known; huge if none is [s].
+  pure function shortest_contact(case, plans) result(time)
     type(case_t), intent(in) :: case
-    real(wp), intent(in) :: mass    !< of the smallest parcel [kg]
-    real(wp), intent(in) :: radius  !< of it [m]
+    type(parcel_plan_t), intent(in) :: plans(:)
     real(wp) :: time
 
-    type(contact_law_t) :: pair, wall
+    type(contact_laws_t) :: laws
+    real(wp), allocatable :: lightest(:), smallest(:)
+    real(wp) :: ratio
+    integer :: i
 
-    pair = new_pair_law(case%contact)
-    wall = new_wall_law(case%contact)
-    time = min(pair%contact_time(mass/2, radius/2, case%contact%impact_velocity), &
-               wall%contact_time(mass, radius, case%contact%impact_velocity), &
-               pair%cohesion%time(radius/mass), wall%cohesion%time(radius/mass))
+    laws = new_contact_laws(case%contact, case%wall_materials())
+    ratio = 0.0_wp
+    allocate (lightest(0:laws%materials()), smallest(0:laws%materials()), source=huge(time))
+    do i = 1, size(plans)
+      if (.not. plans(i)%known) cycle
+      associate (m => plans(i)%material)
+        ratio = max(ratio, plans(i)%diameter(1)/2/plans(i)%lightest)
+        lightest(m) = min(lightest(m), plans(i)%lightest)
+        smallest(m) = min(smallest(m), plans(i)%diameter(1)/2)
+      end associate
+    end do
+    time = min(laws%contact_time(lightest, smallest, case%contact%impact_velocity), laws%swing_time(ratio))
   end function shortest_contact
 
 end module parcel_plan

@@ -9,22 +9,19 @@
 !> than the time the parcels have moved unseen, it sees that share of the change, and the rest in the next steps:
 !> the rate of change stays what it was, and no gas volume is lost.
 module scene
-  use boundary_settings, only: boundary_settings_t
   use boxes, only: boxes_t, new_boxes
   use case, only: case_t
   use chamber, only: chamber_t
   use communicator, only: communicator_t
   use coupling, only: coupling_t
-  use domain_settings, only: domain_settings_t
+  use covered_faces, only: faces_covered
   use gas, only: gas_t, new_gas
   use kinds, only: wp, i8
   use mesh, only: mesh_t, new_mesh
   use outcome, only: outcome_t, exit_failed
   use solids, only: solids_t
-  use surface, only: surface_t
   use text, only: brief, shown
   use timing, only: stopwatch_t
-  use wall_settings, only: wall_settings_t
   implicit none
   private
   public :: scene_t, step_report_t, parts, part_coupling, part_gas, part_parcels, part_output
@@ -88,8 +85,8 @@ contains
     associate (d => case%domain)
       if (.not. self%with_gas) self%mesh = new_mesh(d%lower, d%upper, cells_without_gas(d%upper - d%lower), d%periodic)
     end associate
-    if (self%with_parcels) call self%solids%create(comm, chamber_of(case%domain, case%boundaries, case%walls, case%surfaces), &
-                                                   case%contact, case%des, self%with_gas, tile_width(self))
+    if (self%with_parcels) call self%solids%create(comm, chamber_of(case), case%contact, case%des, self%with_gas, &
+                                                   tile_width(self))
     if (self%with_gas .and. self%with_parcels) then
       call self%coupling%create(self%mesh, self%boxes, case%coupling, case%gas, case%domain%gravity)
     end if
@@ -131,30 +128,25 @@ contains
 
   !> The box of the parcels: every face is a wall but the periodic ones and those a boundary opens as a whole; and the walls
   !> within it.
-  pure function chamber_of(domain, boundaries, walls, surfaces) result(chamber)
-    type(domain_settings_t), intent(in) :: domain
-    type(boundary_settings_t), intent(in) :: boundaries(:)
-    type(wall_settings_t), intent(in) :: walls(:)
-    type(surface_t), intent(in) :: surfaces(:)  !< (walls) of meshes
+  pure function chamber_of(case) result(chamber)
+    type(case_t), intent(in) :: case
     type(chamber_t) :: chamber
 
-    integer :: a, b
-    logical :: spans(3)
+    logical :: covered(2, 3)
+    integer :: b
 
-    chamber%lower = domain%lower
-    chamber%upper = domain%upper
-    chamber%periodic = domain%periodic
-    chamber%gravity = domain%gravity
-    call chamber%add_walls(walls, surfaces)
-    do b = 1, size(boundaries)
-      if (boundaries(b)%parcels /= 'open') cycle
-      do a = 1, 3
-        spans = boundaries(b)%lower <= domain%lower .and. boundaries(b)%upper >= domain%upper
-        spans(a) = .true.
-        if (.not. all(spans)) cycle
-        if (boundaries(b)%lower(a) <= domain%lower(a)) chamber%open(1, a) = .true.
-        if (boundaries(b)%upper(a) >= domain%upper(a)) chamber%open(2, a) = .true.
-      end do
+    chamber%lower = case%domain%lower
+    chamber%upper = case%domain%upper
+    chamber%periodic = case%domain%periodic
+    chamber%gravity = case%domain%gravity
+    chamber%face_material = case%contact%wall_material
+    call chamber%add_walls(case%walls, case%surfaces)
+    do b = 1, size(case%boundaries)
+      associate (boundary => case%boundaries(b))
+        covered = faces_covered(case%domain, boundary)
+        if (boundary%parcels == 'open') chamber%open = chamber%open .or. covered
+        if (boundary%material > 0) chamber%face_material = merge(boundary%material, chamber%face_material, reshape(covered, [6]))
+      end associate
     end do
   end function chamber_of
 

@@ -18,7 +18,7 @@ module text
   !> A value, or several, as a case file would have them; nothing where a number is unset or a text blank.
   interface shown
     module procedure shown_real, shown_integer, shown_long, shown_logical, shown_text
-    module procedure shown_reals, shown_integers, shown_logicals
+    module procedure shown_reals, shown_integers, shown_logicals, shown_texts
   end interface shown
 
 contains
@@ -119,6 +119,18 @@ contains
     text = ''
     if (len_trim(words) > 0) text = quoted(words)
   end function shown_text
+
+  pure function shown_texts(words) result(text)
+    character(len=*), intent(in) :: words(:)
+    character(len=:), allocatable :: text
+
+    integer :: i
+
+    text = ''
+    do i = 1, size(words)
+      text = listed(text, shown_text(words(i)))
+    end do
+  end function shown_texts
 
   pure function shown_reals(x) result(text)
     real(wp), intent(in) :: x(:)

@@ -26,6 +26,7 @@ module case_keys
     procedure :: get_list        !< any number of reals
     procedure :: get_id          !< the name of a record
     procedure :: get_reference   !< the name of a record of another group
+    procedure :: get_references, get_optional_reference
     procedure :: get_path        !< a file or folder
     procedure, private :: declare, look_up, take_text, demand_count
   end type keys_t
@@ -232,22 +233,70 @@ contains
     logical, intent(in) :: required
     character(len=*), intent(in) :: when
 
+    call self%get(name, id, 'id of a &'//group//' record', required=required, when=when)
+    call find_reference(self, name, group, trim(id), place)
+  end subroutine get_reference
+
+  !> The same of a record that need not be named; place is 0 then, too.
+  subroutine get_optional_reference(self, name, id, place, group, about)
+    class(keys_t), intent(inout) :: self
+    character(len=*), intent(in) :: name
+    character(len=word_length), intent(inout) :: id
+    integer, intent(out) :: place
+    character(len=*), intent(in) :: group, about
+
+    call self%get(name, id, about)
+    call find_reference(self, name, group, trim(id), place)
+  end subroutine get_optional_reference
+
+  !> As many ids of records of another group as there is room for, always required, and which ones these are.
+  subroutine get_references(self, name, ids, places, group)
+    class(keys_t), intent(inout) :: self
+    character(len=*), intent(in) :: name
+    character(len=word_length), intent(inout) :: ids(:)
+    integer, intent(out) :: places(size(ids))     !< counted within the group; 0 if there is no such record
+    character(len=*), intent(in) :: group
+
+    type(word_t), allocatable :: words(:)
+    integer :: i
+    logical :: bare
+
+    places = 0
+    call self%declare(new_key(name, plural('text', size(ids)), 'ids of &'//group//' records', '', '', 'always'))
+    call self%look_up(name, words, .true., 'always')
+    if (.not. self%demand_count(name, words, size(ids))) return
+    associate (entries => self%file%records(self%record)%entries)
+      bare = allocated(entries(find_entry(entries, name))%whole)  ! from a command line, which eats quotes
+    end associate
+    do i = 1, size(ids)
+      call self%require(bare .or. words(i)%is_text, name, "must be texts in quotes: '"//words(i)%text//"'")
+      ids(i) = words(i)%text
+      call find_reference(self, name, group, words(i)%text, places(i))
+    end do
+    call self%echo(name, shown(ids))
+  end subroutine get_references
+
+  !> The place of a record of an id, if one is given: 0 and a mistake, which names one that is similar, if there is none.
+  subroutine find_reference(keys, name, group, id, place)
+    type(keys_t), intent(inout) :: keys
+    character(len=*), intent(in) :: name, group, id
+    integer, intent(out) :: place
+
     type(string_t), allocatable :: ids(:)
     character(len=:), allocatable :: message
     integer :: i, best
 
-    call self%get(name, id, 'id of a &'//group//' record', required=required, when=when)
-    place = self%file%find_id(group, trim(id))
-    if (place > 0 .or. len_trim(id) == 0) return
-    allocate (ids(self%file%count(group)))
+    place = keys%file%find_id(group, id)
+    if (place > 0 .or. len(id) == 0) return
+    allocate (ids(keys%file%count(group)))
     do i = 1, size(ids)
-      ids(i)%text = self%file%id(self%file%find(group, i))
+      ids(i)%text = keys%file%id(keys%file%find(group, i))
     end do
-    best = nearest_name(trim(id), ids)
-    message = 'there is no &'//group//' of that id'
+    best = nearest_name(id, ids)
+    message = 'there is no &'//group//" of id '"//id//"'"
     if (best > 0) message = message//"; did you mean '"//ids(best)%text//"'?"
-    call self%require(.false., name, message)
-  end subroutine get_reference
+    call keys%require(.false., name, message)
+  end subroutine find_reference
 
   !> A file or folder, relative to the file in which the key stands; on return, relative to where the program
   !> was started.

@@ -35,21 +35,24 @@ contains
     call solids%create(comm, chamber, contact, des_settings_t(), gas, 0.0_wp)
   end function scene
 
-  !> Add parcels from the root; weight 1 and density 2500 unless said otherwise.
-  subroutine put(solids, x, v, diameter, weight, density)
+  !> Add parcels from the root; weight 1, density 2500 and powder 1 unless said otherwise.
+  subroutine put(solids, x, v, diameter, weight, density, powder)
     type(solids_t), intent(inout) :: solids
     real(wp), intent(in) :: x(:,:), v(:,:), diameter(:)  !< (3,n) [m], (3,n) [m/s], (n) [m]
     real(wp), intent(in), optional :: weight(:), density(:)
+    integer, intent(in), optional :: powder(:)
 
     real(wp) :: w(size(diameter)), rho(size(diameter))
-    integer :: n, i
+    integer :: n, i, kind(size(diameter))
 
     w = 1.0_wp
+    kind = 1
     rho = 2500.0_wp
     if (present(weight)) w = weight
     if (present(density)) rho = density
+    if (present(powder)) kind = powder
     n = merge(size(diameter), 0, solids%comm%is_root())
-    call solids%add(x(:, :n), v(:, :n), diameter(:n), w(:n), rho(:n), [(1, i=1, n)], &
+    call solids%add(x(:, :n), v(:, :n), diameter(:n), w(:n), rho(:n), kind(:n), &
                     [(solids%added + i, i=1, n)])
   end subroutine put
 

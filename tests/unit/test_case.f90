@@ -6,7 +6,7 @@ program test_case
   use command_line, only: command_line_t, parse_arguments
   use constants, only: is_set
   use kinds, only: wp
-  use parcel_plan, only: parcel_plan_t, new_parcel_plan
+  use parcel_plan, only: parcel_plan_t, new_parcel_plan, shortest_contact
   use outcome, only: outcome_t
   use problems, only: problems_t
   use text, only: string_t, shown, nearest_name
@@ -112,7 +112,7 @@ contains
     call new_parcel_plan(scene, 1, plan, outcome)
     call expect_close(plan%parcels, 0.2_wp/mass, 1.0e-12_wp, 'parcels')
     call expect_close(plan%diameter(2), 2.0e-3_wp, 1.0e-12_wp, 'their diameter')
-    call expect_close(plan%contact_time, sqrt((acos(-1.0_wp)**2 + log(0.9_wp)**2)*mass/2/100), 1.0e-12_wp, &
+    call expect_close(shortest_contact(scene, [plan]), sqrt((acos(-1.0_wp)**2 + log(0.9_wp)**2)*mass/2/100), 1.0e-12_wp, &
                       'their collision')
     call read(bed, ['parcels%weighting=ssp   ', 'parcels%diameter=0.00133'], scene, problems)
     call new_parcel_plan(scene, 1, plan, outcome)

@@ -4,8 +4,8 @@ program test_coarse_graining
   use case, only: case_t
   use case_reading, only: read_case_text
   use check, only: expect, expect_close, finish
-  use coarse_graining, only: scaled_restitution
   use communicator, only: communicator_t, start_ranks, stop_ranks
+  use contact_pairs, only: pair_t, pair_of, wall_pair_of, scaled_restitution
   use contact_settings, only: contact_settings_t
   use des_scenes, only: scene, put, run
   use kinds, only: wp
@@ -53,6 +53,39 @@ contains
     contact = made%contact
   end function contact_of
 
+  !> Of two parcels [N/m].
+  pure function stiffness(contact)
+    type(contact_settings_t), intent(in) :: contact
+    real(wp) :: stiffness
+
+    type(pair_t) :: pair
+
+    pair = pair_of(contact, 0, 0)
+    stiffness = pair%stiffness
+  end function stiffness
+
+  !> Of a parcel and a wall [N/m].
+  pure function wall_stiffness(contact)
+    type(contact_settings_t), intent(in) :: contact
+    real(wp) :: wall_stiffness
+
+    type(pair_t) :: pair
+
+    pair = wall_pair_of(contact, 0, 0)
+    wall_stiffness = pair%stiffness
+  end function wall_stiffness
+
+  !> Of two parcels.
+  pure function restitution(contact)
+    type(contact_settings_t), intent(in) :: contact
+    real(wp) :: restitution
+
+    type(pair_t) :: pair
+
+    pair = pair_of(contact, 0, 0)
+    restitution = pair%restitution
+  end function restitution
+
   !> An attraction that is the same part of the weight: Hamaker's constant l^2, the energy of an area l^(1/3) times as large.
   subroutine attraction()
     character(len=*), parameter :: law = '&contact law = ''hertz'', youngs_modulus = 1e7, poisson_ratio = 0.25, '
@@ -83,19 +116,19 @@ contains
     real(wp) :: l
 
     contact = contact_of('&parcels weighting = ''ssw'', weight = 27 /'//nl//scaled)
-    call expect_close(contact%stiffness, 150.0_wp, 1.0e-12_wp, 'ssw: the spring is l times as stiff')
-    call expect_close(contact%wall_stiffness, 240.0_wp, 1.0e-12_wp, 'and so is that of walls')
-    call expect_close(contact%restitution, e, 1.0e-12_wp, 'e_cg^2 = 1 - l (1 - e^2)')
+    call expect_close(stiffness(contact), 150.0_wp, 1.0e-12_wp, 'ssw: the spring is l times as stiff')
+    call expect_close(wall_stiffness(contact), 240.0_wp, 1.0e-12_wp, 'and so is that of walls')
+    call expect_close(restitution(contact), e, 1.0e-12_wp, 'e_cg^2 = 1 - l (1 - e^2)')
     contact = contact_of('&parcels weighting = ''dem'' /'//nl//scaled)
-    call expect_close(contact%stiffness, 50.0_wp, 1.0e-12_wp, 'dem: nothing is scaled')
-    call expect_close(contact%restitution, 0.95_wp, 1.0e-12_wp, 'dem: nor here')
+    call expect_close(stiffness(contact), 50.0_wp, 1.0e-12_wp, 'dem: nothing is scaled')
+    call expect_close(restitution(contact), 0.95_wp, 1.0e-12_wp, 'dem: nor here')
     contact = contact_of('&parcels weighting = ''ssp'', diameter = 3e-3 /'//nl//scaled)
     ! <d^3> = mean^3 + 3 mean deviation^2 of the symmetric, almost unclipped distribution: 1.1 mm^3 by its limits
-    l = contact%stiffness/50
+    l = stiffness(contact)/50
     call expect(abs(l*(1.12_wp)**(1.0_wp/3.0_wp)/3 - 1) < 5.0e-3_wp, 'ssp: l is D over the width of the mean volume')
-    call expect_close(contact%restitution, sqrt(1 - l*(1 - 0.95_wp**2)), 1.0e-12_wp, 'ssp: the same l')
+    call expect_close(restitution(contact), sqrt(1 - l*(1 - 0.95_wp**2)), 1.0e-12_wp, 'ssp: the same l')
     contact = contact_of('&parcels weighting = ''ssw'', weight = 27 /'//nl//'&contact stiffness = 50, restitution = 0.95 /')
-    call expect_close(contact%stiffness, 50.0_wp, 1.0e-12_wp, 'without being asked nothing is scaled')
+    call expect_close(stiffness(contact), 50.0_wp, 1.0e-12_wp, 'without being asked nothing is scaled')
   end subroutine ssw_and_ssp
 
   !> The widest parcels that can dissipate enough: l = 1/(1 - e^2).

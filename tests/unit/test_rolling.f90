@@ -422,7 +422,7 @@ contains
 
     ball = on_floor(material('none', 0.2_wp), 0.0_wp, 1.0_wp, 0.0_wp)
     call run(ball, 1, ball%time_step_limit())
-    call expect(.not. (allocated(ball%pairs%angle) .or. allocated(ball%walls%angle) .or. ball%pair_law%rolling%on), &
+    call expect(.not. (allocated(ball%pairs%angle) .or. allocated(ball%walls%angle) .or. any(ball%laws%pair%rolling%on)), &
                 'without resistance there is nothing of it')
     ball = on_floor(material('constant_torque', 0.2_wp), 0.0_wp, 1.0_wp, 0.0_wp)
     call run(ball, 1, ball%time_step_limit())

@@ -1,0 +1,118 @@
+!> Listed pairs dealt by their laws, so that a sweep over one part has one law and looks nothing up.
+!>
+!> While there are several laws each has a list and close pairs of its own, which keep the slips. Those of all pairs are only
+!> used when lists are made.
+module contact_parts
+  use close_pairs, only: close_pairs_t
+  use contact_lanes, only: lanes
+  use contact_law, only: contact_law_t
+  use contact_laws, only: contact_laws_t
+  use contact_list, only: contact_list_t
+  use contact_sweep, only: sweep_friction, sweep_frictionless
+  use kinds, only: wp
+  use parcels, only: parcels_t
+  implicit none
+  private
+  public :: part_t, deal, gathered, sweep_pairs
+
+  !> The pairs of one law.
+  type :: part_t
+    type(contact_list_t) :: list    !< without `first`
+    type(close_pairs_t) :: pairs
+  end type part_t
+
+contains
+
+  !> Deal a list, of which all pairs are close, by the law of each pair of powders; the order stays.
+  subroutine deal(list, pairs, laws, powder, parts)
+    type(contact_list_t), intent(in) :: list
+    type(close_pairs_t), intent(in) :: pairs
+    type(contact_laws_t), intent(in) :: laws
+    integer, intent(in) :: powder(:)       !< of each column, ghosts included
+    type(part_t), intent(inout) :: parts(:)  !< one for each law
+
+    integer :: number(list%entries), c, k, n
+
+    do k = 1, list%entries
+      number(k) = laws%of_pair(powder(list%row(k)), powder(list%partner(k)))
+    end do
+    do c = 1, size(parts)
+      associate (part => parts(c)%list)
+        call make_room(part, count(number == c))
+        n = 0
+        do k = 1, list%entries
+          if (number(k) /= c) cycle
+          n = n + 1
+          part%row(n) = list%row(k)
+          part%partner(n) = list%partner(k)
+        end do
+      end associate
+      parts(c)%pairs%with_history = pairs%with_history
+      parts(c)%pairs%with_angles = pairs%with_angles
+      call parts(c)%pairs%take_all(parts(c)%list)
+      if (.not. pairs%with_history) cycle
+      n = 0
+      do k = 1, list%entries
+        if (number(k) /= c) cycle
+        n = n + 1
+        parts(c)%pairs%slip(:, n) = pairs%slip(:, k)
+        if (pairs%with_angles) parts(c)%pairs%angle(:, n) = pairs%angle(:, k)
+      end do
+    end do
+  end subroutine deal
+
+  !> Add the forces of the pairs of one law.
+  subroutine sweep_pairs(law, list, pairs, lengths, parcels)
+    type(contact_law_t), intent(in) :: law
+    type(contact_list_t), intent(in) :: list
+    type(close_pairs_t), intent(inout) :: pairs
+    real(wp), intent(in) :: lengths(3)  !< way of the fastest parcel in a step, skin, width of a parcel [m]
+    type(parcels_t), intent(inout) :: parcels
+
+    call pairs%keep_close(list, parcels%state, lengths(1), lengths(2), lengths(3))
+    if (parcels%rotation) then
+      call sweep_friction(law, pairs, parcels%state, parcels%force)
+    else
+      call sweep_frictionless(law, pairs, parcels%state, parcels%force)
+    end if
+  end subroutine sweep_pairs
+
+  !> The close pairs of all parts, one part after the other; of their entries in the list nothing is known.
+  function gathered(parts) result(pairs)
+    type(part_t), intent(in) :: parts(:)
+    type(close_pairs_t) :: pairs
+
+    integer :: c, n
+
+    n = sum(parts%pairs%n)
+    pairs%with_history = any(parts%pairs%with_history)
+    allocate (pairs%entry(n), pairs%i(n), pairs%j(n))
+    pairs%entry = 0
+    pairs%with_angles = any(parts%pairs%with_angles)
+    if (pairs%with_history) allocate (pairs%slip(4, n + lanes))
+    if (pairs%with_angles) allocate (pairs%angle(3, n))
+    do c = 1, size(parts)
+      associate (part => parts(c)%pairs, before => pairs%n)
+        pairs%i(before + 1:before + part%n) = part%i(1:part%n)
+        pairs%j(before + 1:before + part%n) = part%j(1:part%n)
+        if (pairs%with_history) pairs%slip(:, before + 1:before + part%n) = part%slip(:, 1:part%n)
+        if (pairs%with_angles) pairs%angle(:, before + 1:before + part%n) = part%angle(:, 1:part%n)
+        pairs%n = before + part%n
+      end associate
+    end do
+    if (pairs%with_history) pairs%slip(:, n + 1:) = 0.0_wp
+  end function gathered
+
+  pure subroutine make_room(list, entries)
+    type(contact_list_t), intent(inout) :: list
+    integer, intent(in) :: entries
+
+    list%entries = entries
+    if (allocated(list%row)) then
+      if (size(list%row) >= entries) return
+      deallocate (list%row, list%partner)
+    end if
+    allocate (list%row(entries + entries/8 + 8), list%partner(entries + entries/8 + 8))
+  end subroutine make_room
+
+end module contact_parts
