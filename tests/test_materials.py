@@ -47,6 +47,18 @@ def test_restart_is_exact(geldart, tmp_path, ranks, mode):
         assert np.array_equal(whole[name], parts[name]), f"{name} differs"
 
 
+def test_restart_with_rolling_springs(geldart, tmp_path):
+    """Angles rolled are dealt to the pairs of materials, and gathered from them, as slips are."""
+    rolling = ["--set", "contact%rolling=spring", "--set", "contact%rolling_friction=0.2"]
+    run(geldart, "--out", "whole", "--set", "run%end_time=0.03", *rolling, ranks=2)
+    run(geldart, "--out", "parts", "--set", "run%end_time=0.015", *rolling, ranks=2)
+    run(geldart, "--out", "parts", "--set", "run%end_time=0.03", "--restart", "parts/restart.h5", *rolling, ranks=2)
+    whole, parts = state(tmp_path / "whole/restart.h5"), state(tmp_path / "parts/restart.h5")
+    assert np.abs(whole["contact_slip"][:, 3:]).max() > 1e-3
+    for name in whole:
+        assert np.array_equal(whole[name], parts[name]), f"{name} differs"
+
+
 def test_names_make_no_difference(geldart, tmp_path):
     """Other names in the same order: the same run to the last bit."""
     renamed = MIXTURE.read_text().replace("'glass'", "'x'").replace("'steel'", "'glass'").replace("'x'", "'steel'")

@@ -81,8 +81,10 @@ contains
       bed%contact%rolling = 'spring'
       bed%contact%rolling_friction = 0.05_wp
     case ('cohesion')
-      bed%contact%cohesion = 'linear'
-      bed%contact%cohesion_energy = 1.0e3_wp
+      bed%contact%cohesion = 'van_der_waals'
+      bed%contact%hamaker_constant = 1.0e-19_wp
+      bed%contact%minimum_separation = 4.0e-10_wp
+      bed%contact%maximum_separation = 1.0e-6_wp
     case ('hertz')
       bed%contact%law = 'hertz'
       bed%contact%youngs_modulus = 5.0e6_wp

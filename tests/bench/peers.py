@@ -21,7 +21,7 @@ import numpy as np
 
 from run import BEDS, ROOT, processor
 
-DENSITY, STIFFNESS, RESTITUTION, FRICTION, STEPS, RUNS = 2500.0, 200.0, 0.9, 0.1, 1000, 5
+DENSITY, STIFFNESS, RESTITUTION, FRICTION, STEPS, RUNS = 2500.0, 200.0, 0.9, 0.1, 400, 5
 PARCELS = {"W1": 50_000, "W2": 200_000, "W3": 50_000, "W4": 50_000}
 BOX = {"W1": (0.05, 0.05, 0.08), "W2": (0.1, 0.1, 0.08), "W3": (0.05, 0.05, 0.3),
        "W4": 3 * ((50_000 * math.pi / 6 * 1e-9 / 0.05) ** (1 / 3),)}
