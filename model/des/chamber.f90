@@ -29,6 +29,7 @@ module chamber
   contains
     procedure :: add_walls
     procedure :: move_to
+    procedure :: way_since
     procedure :: first_triangle
     procedure :: mesh_of
     procedure :: find_images
@@ -92,6 +93,15 @@ contains
       if (self%meshes(m)%moves) call self%meshes(m)%move_to(time)
     end do
   end subroutine move_to
+
+  !> How far a wall may have gone since a time [m].
+  pure function way_since(self, time) result(way)
+    class(chamber_t), intent(in) :: self
+    real(wp), intent(in) :: time  !< [s]
+    real(wp) :: way
+
+    way = self%fastest*(self%time - time)
+  end function way_since
 
   !> The number of the first triangle of all.
   pure function first_triangle(self) result(face)

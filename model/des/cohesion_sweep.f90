@@ -80,17 +80,15 @@ contains
     type(parcels_t), intent(inout) :: parcels
 
     real(wp) :: way(3), distance
-    integer :: w, last
+    integer :: w, run
 
     do w = 1, walls%kind_end(3)
       call chamber%approach(walls%face(w), parcels%state(1:3, walls%parcel(w)), way, distance)
       if (distance > 0.0_wp) call attract(cohesion, walls%parcel(w), way, distance, parcels)
     end do
-    w = walls%kind_end(3) + 1
-    do while (w <= walls%kind_end(4))
-      last = walls%end_of_run(chamber, w)
-      call attract_run(cohesion, chamber, walls, [w, last], parcels)
-      w = last + 1
+    do run = 1, walls%runs
+      if (walls%run_gap(run) > walls%way + cohesion%reach) cycle
+      call attract_run(cohesion, chamber, walls, walls%run_range(run), parcels)
     end do
   end subroutine attract_walls
 

@@ -167,20 +167,21 @@ contains
   end subroutine approach
 
   !> The triangles within a reach, each once.
-  pure subroutine list_near(self, place, reach, stamp, last, near, n)
+  pure subroutine list_near(self, sphere, stamp, last, near, n, nearest)
     class(mesh_wall_t), intent(in) :: self
-    real(wp), intent(in) :: place(3), reach           !< for the wall [m]
-    integer, intent(in) :: stamp                      !< a number not used before
-    integer, intent(inout) :: last(:)                 !< (triangles) stamp of the last look at each
-    integer, allocatable, intent(inout) :: near(:)    !< (n at least)
+    real(wp), intent(in) :: sphere(4)               !< 1:3 place for the wall, 4 reach [m]
+    integer, intent(in) :: stamp                    !< a number not used before
+    integer, intent(inout) :: last(:)               !< (triangles) stamp of the last look at each
+    integer, allocatable, intent(inout) :: near(:)  !< (n at least)
     integer, intent(out) :: n
+    real(wp), intent(inout) :: nearest              !< least distance of all so far [m]
 
     integer :: lo(3), hi(3), x, y, z, cell, k, t, bearers(2)
     real(wp) :: way(3), distance, wide
 
     n = 0
-    wide = wider*reach
-    call self%grid%range_of(place - reach, place + reach, lo, hi)
+    wide = wider*sphere(4)
+    call self%grid%range_of(sphere(1:3) - sphere(4), sphere(1:3) + sphere(4), lo, hi)
     do z = lo(3), hi(3)
       do y = lo(2), hi(2)
         do x = lo(1), hi(1)
@@ -189,9 +190,10 @@ contains
             t = self%grid%triangle(k)
             if (last(t) == stamp) cycle
             last(t) = stamp
-            if (self%is_apart(t, place, wide)) cycle
-            call self%approach(t, place, way, distance, bearers)
-            if (distance > reach) cycle
+            if (self%is_apart(t, sphere(1:3), wide)) cycle
+            call self%approach(t, sphere(1:3), way, distance, bearers)
+            if (distance > sphere(4)) cycle
+            nearest = min(nearest, distance)
             if (n == size(near)) near = [near, near]
             n = n + 1
             near(n) = t

@@ -286,6 +286,7 @@ contains
       end do
     end if
     self%walls%step = self%step
+    self%walls%way = self%travelled + self%chamber%way_since(self%listed_at)
     call self%walls%sweep(self%chamber, self%laws, self%parcels)
     associate (pair => self%laws%pair(1)%cohesion)  ! the same of all
       if (pair%on) call attract_pairs(pair, self%list, self%parcels)
@@ -306,7 +307,7 @@ contains
     type(outcome_t), intent(inout) :: outcome
 
     real(wp), parameter :: nearly = 0.8_wp
-    real(wp) :: largest(2), wall_way
+    real(wp) :: largest(2)
 
     largest = [merge(fastest, 0.0_wp, sound), merge(0.0_wp, 1.0_wp, sound)]
     if (self%comm%size > 1) largest = self%comm%max(largest)
@@ -319,8 +320,7 @@ contains
     call self%pairs%note_way(time*self%speed)
     if (allocated(self%parts)) call self%parts%pairs%note_way(time*self%speed)
     if (self%travelled > 0.5_wp*self%skin) self%travelled = self%comm%max(farthest(self%parcels))
-    wall_way = self%chamber%fastest*(self%chamber%time - self%listed_at)
-    if (max(self%travelled, wall_way) > nearly*0.5_wp*self%skin) then
+    if (max(self%travelled, self%chamber%way_since(self%listed_at)) > nearly*0.5_wp*self%skin) then
       call self%renew_lists(outcome)
     else
       call self%ghosts%refresh(self%parcels)

@@ -94,7 +94,7 @@ contains
     real(wp), intent(inout) :: largest    !< [-]
 
     real(wp) :: overlap
-    integer :: w, last
+    integer :: w, run
 
     contacts = 0.0_wp
     do w = 1, solids%walls%kind_end(3)
@@ -106,10 +106,8 @@ contains
         largest = max(largest, overlap)
       end associate
     end do
-    do while (w <= solids%walls%entries)
-      last = solids%walls%end_of_run(solids%chamber, w)
-      call add_run(solids, [w, last], contacts, beyond, largest)
-      w = last + 1
+    do run = 1, solids%walls%runs
+      call add_run(solids, solids%walls%run_range(run), contacts, beyond, largest)
     end do
   end subroutine add_walls
 

@@ -15,12 +15,53 @@ module wall_entries
     integer, allocatable :: image(:)      !< (entries) in a periodic chamber: which image of the parcel is near the triangle
     real(wp), allocatable :: slip(:,:)    !< (4, entries) 1:3 tangential slip [m], 4 step of last touch
     real(wp), allocatable :: angle(:,:)   !< (3, entries) with the rolling spring: angle rolled [rad]
+    integer :: runs = 0                   !< triangles of one mesh near one parcel, one after the other
+    integer, allocatable :: run_first(:)  !< (runs + 1 at least) first entry of each
+    real(wp), allocatable :: run_gap(:)   !< (runs at least) between parcel and mesh when the list was made [m]
   contains
+    procedure :: begin_runs
+    procedure :: end_run
+    procedure :: run_range
     procedure :: memory_of
     procedure :: remind
   end type wall_entries_t
 
 contains
+
+  !> No run yet; the first begins behind an entry.
+  subroutine begin_runs(self, last)
+    class(wall_entries_t), intent(inout) :: self
+    integer, intent(in) :: last
+
+    self%runs = 0
+    if (.not. allocated(self%run_gap)) allocate (self%run_gap(64), self%run_first(64))
+    self%run_first(1) = last + 1
+  end subroutine begin_runs
+
+  !> The entries since the last run, up to `last`, are one, if there are any.
+  subroutine end_run(self, last, gap)
+    class(wall_entries_t), intent(inout) :: self
+    integer, intent(in) :: last
+    real(wp), intent(in) :: gap  !< [m]
+
+    if (last < self%run_first(self%runs + 1)) return
+    self%runs = self%runs + 1
+    if (self%runs == size(self%run_gap)) then
+      self%run_gap = [self%run_gap, self%run_gap]
+      self%run_first = [self%run_first, self%run_first]
+    end if
+    self%run_gap(self%runs) = gap
+    self%run_first(self%runs + 1) = last + 1
+  end subroutine end_run
+
+  !> First and last entry of a run.
+  pure function run_range(self, run) result(range)
+    class(wall_entries_t), intent(in) :: self
+    integer, intent(in) :: run
+    integer :: range(2)
+
+    range = [self%run_first(run), self%run_first(run + 1) - 1]
+  end function run_range
 
   !> What an entry remembers beside the step of its last touch: the slip and, if there is one, the angle.
   pure function memory_of(self, entry) result(memory)

@@ -29,11 +29,11 @@ module walls
     integer :: kind_end(4) = 0            !< last entry of faces, of planes, of shells, of triangles
     real(wp) :: step = 0.0_wp             !< number of this step
     integer :: through = 0                !< column of a parcel that is beyond a wall, 0 if there is none
+    real(wp) :: way = 0.0_wp              !< that a parcel and a mesh may have gone since, together [m]
   contains
     procedure :: build
     procedure :: sweep
     procedure :: look_at_run
-    procedure :: end_of_run
   end type wall_list_t
 
 contains
@@ -134,9 +134,10 @@ contains
 
     integer, allocatable :: last(:), near(:), old(:)
     integer :: images(8), n_images, m, i, k, n, e, looks
-    real(wp) :: reach
+    real(wp) :: reach, nearest
 
     allocate (near(64))
+    call self%begin_runs(self%kind_end(4))
     if (any(chamber%periodic) .and. .not. allocated(self%image)) allocate (self%image(0))
     do m = 1, chamber%n_meshes
       associate (wall => chamber%meshes(m))
@@ -145,9 +146,11 @@ contains
         do i = 1, parcels%n
           reach = parcels%state(4, i) + margin*merge(2, 1, wall%moves)
           call chamber%find_images(parcels%state(1:3, i), reach, images, n_images)
+          nearest = reach
           do k = 1, n_images
             looks = looks + 1
-            call wall%list_near(wall%seen(parcels%state(1:3, i) + chamber%shift(images(k))), reach, looks, last, near, n)
+            call wall%list_near([wall%seen(parcels%state(1:3, i) + chamber%shift(images(k))), reach], looks, last, near, n, &
+                                nearest)
             do e = 1, n
               call add_entry(self, 4, i, chamber%first_triangle() - 1 + wall%before + near(e))
               if (.not. any(chamber%periodic)) cycle
@@ -159,6 +162,7 @@ contains
               self%image(self%kind_end(4)) = images(k)
             end do
           end do
+          call self%end_run(self%kind_end(4), nearest - parcels%state(4, i))
         end do
         deallocate (last)
       end associate
@@ -279,14 +283,12 @@ contains
     type(parcels_t), intent(inout) :: parcels
 
     real(wp) :: pair(8, block_pairs)
-    integer :: touching(block_pairs), n, w, last
+    integer :: touching(block_pairs), n, run
 
     n = 0
-    w = self%kind_end(3) + 1
-    do while (w <= self%kind_end(4))
-      last = self%end_of_run(chamber, w)
-      call sweep_run(self, chamber, laws, parcels, [w, last], touching, n, pair)
-      w = last + 1
+    do run = 1, self%runs
+      if (self%run_gap(run) > self%way) cycle
+      call sweep_run(self, chamber, laws, parcels, self%run_range(run), touching, n, pair)
     end do
     if (n > 0) call apply(self, chamber, laws, touching(1:n), pair, parcels)
   end subroutine sweep_meshes
@@ -331,25 +333,6 @@ contains
       end if
     end do
   end subroutine sweep_run
-
-  !> The last entry of the same parcel and the same mesh.
-  pure function end_of_run(self, chamber, first) result(last)
-    class(wall_list_t), intent(in) :: self
-    type(chamber_t), intent(in) :: chamber
-    integer, intent(in) :: first
-    integer :: last
-
-    integer :: end
-
-    associate (wall => chamber%meshes(chamber%mesh_of(self%face(first))))
-      end = chamber%first_triangle() - 1 + wall%before + wall%n
-    end associate
-    last = first
-    do while (last < self%kind_end(4))
-      if (self%parcel(last + 1) /= self%parcel(first) .or. self%face(last + 1) > end) exit
-      last = last + 1
-    end do
-  end function end_of_run
 
   !> Where a parcel touches a mesh.
   pure subroutine look_at_run(self, chamber, parcels, range, gap, chosen, n, reach)

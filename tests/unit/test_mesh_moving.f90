@@ -31,6 +31,7 @@ program test_mesh_moving
     call piston()
     call sweeper()
     call cylinder()
+    call swing()
   end if
   call same_on_all_ranks()
   call restart()
@@ -188,6 +189,37 @@ contains
       call expect_close(dot_product(spin, axis), omega*wide, 2.0e-2_wp, 'and rolls with its surface')
     end associate
   end subroutine cylinder
+
+  !> In a pipe of many facets a ball rolls to and fro with the period 2 pi sqrt(7 (R - r)/(5 g)) (1 + angle^2/16) of a pipe: its
+  !> slip goes with it from facet to facet.
+  subroutine swing()
+    real(wp), parameter :: wide = 0.05_wp, radius = 0.005_wp, angle = 0.3_wp, k = 1.0e5_wp
+    real(wp), parameter :: centre(3) = [0.1_wp, 0.1_wp, 0.1_wp], along(3) = [0.6_wp, 0.8_wp, 0.0_wp]
+    real(wp), parameter :: aside(3) = [0.8_wp, -0.6_wp, 0.0_wp], up(3) = [0.0_wp, 0.0_wp, 1.0_wp]
+    type(solids_t) :: lump
+    real(wp) :: sag, passed(2), before, now, dt
+    integer :: n
+
+    lump = mesh_room(alone, 0.2_wp, -g*up, material(k, 0.5_wp, 0.5_wp), [mesh()], &
+                     [new_surface(drum(centre - 0.02_wp*along, 0.04_wp*along, wide, 1500, 0, 0.0_wp))])
+    sag = mass_of(2*radius)*g/k
+    call put(lump, column(centre + (wide - radius + sag)*(sin(angle)*aside - cos(angle)*up)), column(0*up), [2*radius])
+    dt = lump%time_step_limit()
+    n = 0
+    before = 1.0_wp
+    do while (n < 2)
+      call run(lump, 1, dt)
+      now = dot_product(lump%parcels%state(1:3, 1) - centre, aside)
+      if (now <= 0.0_wp .and. before > 0.0_wp) then
+        n = n + 1
+        passed(n) = lump%time + dt*now/(before - now)
+      end if
+      before = now
+    end do
+    call expect_close(passed(2) - passed(1), 2*pi*sqrt(1.4_wp*(wide - radius)/g)*(1 + angle**2/16), 2.0e-4_wp, &
+                      'a ball rolls in a pipe of facets with its period')
+    call expect(abs(dot_product(lump%parcels%state(1:3, 1) - centre, along)) < 1.0e-5_wp, 'and stays where it is along it')
+  end subroutine swing
 
   !> A drum with four blades that turns about y with a cloud of parcels in it.
   function mill(ranks) result(solids)
