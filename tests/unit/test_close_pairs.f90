@@ -1,0 +1,64 @@
+!> No contact is seen late although close pairs are chosen only now and then.
+!> ranks: 1
+program test_close_pairs
+  use check, only: expect, finish
+  use communicator, only: communicator_t, start_ranks, stop_ranks
+  use contact_settings, only: contact_settings_t
+  use des_scenes, only: scene, put
+  use kinds, only: wp
+  use outcome, only: outcome_t
+  use solids, only: solids_t
+  implicit none
+
+  type(communicator_t) :: comm
+
+  call start_ranks(comm)
+  call head_on(friction=0.0_wp, name='without friction')
+  call head_on(friction=0.3_wp, name='with friction')
+  call finish()
+  call stop_ranks()
+
+contains
+
+  !> Two balls, both as fast as any, meet from many distances: their velocities change in the step in which they overlap
+  !> first, and not before.
+  subroutine head_on(friction, name)
+    real(wp), intent(in) :: friction
+    character(len=*), intent(in) :: name
+
+    real(wp), parameter :: d = 1.0e-3_wp, speed = 0.05_wp
+    integer, parameter :: distances = 100
+    type(solids_t) :: balls
+    type(contact_settings_t) :: contact
+    type(outcome_t) :: outcome
+    real(wp) :: dt, x(3, 2), v(3, 2), width
+    integer :: m
+    logical :: in_time, tight, touched
+
+    contact%stiffness = 200.0_wp
+    contact%friction = friction
+    in_time = .true.
+    tight = .true.
+    do m = 1, distances
+      balls = scene(comm, [0.01_wp, 0.01_wp, 0.01_wp], 0.0_wp, contact)
+      width = d*(1.001_wp + 0.1_wp*m/distances)
+      x(:, 1) = 0.005_wp
+      x(:, 2) = [0.005_wp + width, 0.005_wp, 0.005_wp]
+      v = reshape([speed, 0.0_wp, 0.0_wp, -speed, 0.0_wp, 0.0_wp], [3, 2])
+      call put(balls, x, v, [d, d])
+      dt = 0.2_wp*balls%time_step_limit()
+      touched = .false.
+      do while (.not. touched .and. .not. outcome%failed())
+        associate (s => balls%parcels%state)
+          touched = abs(s(1, 2) - s(1, 1)) - dt*speed < d   ! in the middle of the step
+          call balls%advance(1, dt, outcome)
+          in_time = in_time .and. (touched .eqv. abs(s(5, 1)) < speed*(1 - 1e-12_wp))
+          tight = tight .and. balls%pairs%tight
+        end associate
+      end do
+    end do
+    call expect(in_time .and. .not. outcome%failed(), 'a contact is seen in the step in which it begins '//name)
+    call expect(tight, 'and close pairs are chosen there '//name)
+  end subroutine head_on
+
+end program test_close_pairs
