@@ -38,7 +38,7 @@ contains
     call keys%get('velocity', settings%velocity, 'inflow: superficial velocity into the domain [m/s]', '[0, inf)')
     call keys%get('mass_flow', settings%mass_flow, 'inflow, instead of velocity: mass flow over the region [kg/s]', '[0, inf)')
     call keys%get('pressure', settings%pressure, 'outflow: pressure there; that of &gas if not given [Pa]')
-    call keys%get('parcels', settings%parcels, 'whether parcels bounce or leave', 'wall | open')
+    call keys%get('parcels', settings%parcels, 'whether parcels bounce off the region or leave through it', 'wall | open')
     call keys%get_optional_reference('material', settings%material_id, settings%material, 'material', &
                                      'of a whole face: what it is made of, a &material; wall_material of &contact if not given')
     call check_boundary(settings, keys)

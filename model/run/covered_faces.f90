@@ -1,4 +1,4 @@
-!> Which faces of the domain a boundary covers as a whole: parcels know of no other parts of them.
+!> Which faces of the domain a boundary covers as a whole: a material is that of such faces.
 module covered_faces
   use boundary_settings, only: boundary_settings_t
   use domain_settings, only: domain_settings_t

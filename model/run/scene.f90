@@ -11,10 +11,9 @@
 module scene
   use boxes, only: boxes_t, new_boxes
   use case, only: case_t
-  use chamber, only: chamber_t
   use communicator, only: communicator_t
   use coupling, only: coupling_t
-  use covered_faces, only: faces_covered
+  use enclosure, only: enclosure_of
   use gas, only: gas_t, new_gas
   use kinds, only: wp, i8
   use mesh, only: mesh_t, new_mesh
@@ -85,7 +84,7 @@ contains
     associate (d => case%domain)
       if (.not. self%with_gas) self%mesh = new_mesh(d%lower, d%upper, cells_without_gas(d%upper - d%lower), d%periodic)
     end associate
-    if (self%with_parcels) call self%solids%create(comm, chamber_of(case), case%contact, case%des, self%with_gas, &
+    if (self%with_parcels) call self%solids%create(comm, enclosure_of(case), case%contact, case%des, self%with_gas, &
                                                    tile_width(self))
     if (self%with_gas .and. self%with_parcels) then
       call self%coupling%create(self%mesh, self%boxes, case%coupling, case%gas, case%domain%gravity)
@@ -125,30 +124,6 @@ contains
     width = 0.0_wp
     if (self%with_gas) width = maxval(self%mesh%h)
   end function tile_width
-
-  !> The box of the parcels: every face is a wall but the periodic ones and those a boundary opens as a whole; and the walls
-  !> within it.
-  pure function chamber_of(case) result(chamber)
-    type(case_t), intent(in) :: case
-    type(chamber_t) :: chamber
-
-    logical :: covered(2, 3)
-    integer :: b
-
-    chamber%lower = case%domain%lower
-    chamber%upper = case%domain%upper
-    chamber%periodic = case%domain%periodic
-    chamber%gravity = case%domain%gravity
-    chamber%face_material = case%contact%wall_material
-    call chamber%add_walls(case%walls, case%surfaces)
-    do b = 1, size(case%boundaries)
-      associate (boundary => case%boundaries(b))
-        covered = faces_covered(case%domain, boundary)
-        if (boundary%parcels == 'open') chamber%open = chamber%open .or. covered
-        if (boundary%material > 0) chamber%face_material = merge(boundary%material, chamber%face_material, reshape(covered, [6]))
-      end associate
-    end do
-  end function chamber_of
 
   !> Length of the next gas step [s].
   pure function next_step(self) result(dt)
