@@ -8,14 +8,13 @@
 !> With friction every close pair has its slip, oriented from the row's parcel to the partner, and the number of the last step
 !> in which it touched: a slip older than one step is that of an earlier contact and counts as none.
 module close_pairs
-  use contact_lanes, only: lanes
+  use contact_lanes, only: never
   use contact_list, only: contact_list_t
   use kinds, only: wp
   implicit none
   private
-  public :: close_pairs_t, pair_ways, never
+  public :: close_pairs_t, pair_ways
 
-  real(wp), parameter :: never = -1.0_wp        !< the last touch of a pair that has not touched yet
   real(wp), parameter :: choosing_cost = 0.125_wp  !< of a parcel, over the forces of the pairs within a diameter around it
   real(wp), parameter :: fewest_steps = 3.0_wp  !< for which choosing pays
   real(wp), parameter :: patience = 16.0_wp     !< steps until it is asked again whether it would
@@ -30,7 +29,7 @@ module close_pairs
     integer :: swept = 0                  !< pairs whose forces of this step are known
     integer, allocatable :: entry(:)      !< (n at least) of the list
     integer, allocatable :: i(:), j(:)    !< (n at least) columns of the parcels
-    real(wp), allocatable :: slip(:,:)    !< (4, n + lanes at least) 1:3 tangential slip [m], 4 step of last touch
+    real(wp), allocatable :: slip(:,:)    !< (4, n at least) 1:3 tangential slip [m], 4 step of last touch
     real(wp), allocatable :: angle(:,:)   !< (3, n at least) with the rolling spring: angle rolled [rad]
     real(wp), private :: way_left = 0.0_wp  !< that parcels may go before the pairs are chosen again [m]
   contains
@@ -61,8 +60,8 @@ contains
     self%i(1:self%n) = list%row(1:self%n)
     self%j(1:self%n) = list%partner(1:self%n)
     if (.not. self%with_history) return
-    self%slip(1:3, 1:self%n + lanes) = 0.0_wp
-    self%slip(4, 1:self%n + lanes) = never
+    self%slip(1:3, 1:self%n) = 0.0_wp
+    self%slip(4, 1:self%n) = never
     if (self%with_angles) self%angle(:, 1:self%n) = 0.0_wp
   end subroutine take_all
 
@@ -77,7 +76,7 @@ contains
       if (self%with_angles) deallocate (self%angle)
     end if
     allocate (self%entry(pairs + pairs/8), self%i(pairs + pairs/8), self%j(pairs + pairs/8))
-    if (self%with_history) allocate (self%slip(4, pairs + pairs/8 + lanes))
+    if (self%with_history) allocate (self%slip(4, pairs + pairs/8))
     if (self%with_angles) allocate (self%angle(3, pairs + pairs/8))
   end subroutine reserve
 
@@ -210,8 +209,6 @@ contains
       self%slip(:, m) = old_slip(:, p)
       if (self%with_angles) self%angle(:, m) = old_angle(:, p)
     end do
-    self%slip(1:3, self%n + 1:self%n + lanes) = 0.0_wp
-    self%slip(4, self%n + 1:self%n + lanes) = never
   end subroutine give_slips
 
   !> x_i - x_j and r_i + r_j of pairs [m].

@@ -13,7 +13,7 @@
 !> The contact point is that of contact_linear, and so is what is done about steps that damp too much, with S for k_n; the
 !> dashpot of this law sets in gently.
 module contact_hertz
-  use contact_lanes, only: lanes, turn_eight, turn_four
+  use contact_lanes, only: lanes, never, turn_eight, turn_four
   use contact_linear, only: damping_ratio, lead_excess
   use kinds, only: wp
   implicit none
@@ -87,7 +87,7 @@ contains
     time = integral*(15*effective_mass*speed**2/(16*self%modulus*sqrt(effective_radius)))**0.4_wp/speed
   end function contact_time
 
-  !> Forces of n touching pairs with friction, as `friction_forces` of contact_linear; `spin` holds the curvature
+  !> Forces of n pairs with friction, as `friction_forces` of contact_linear; `spin` holds the curvature
   !> 1/r_i + 1/r_j in 4.
   pure subroutine hertz_friction_forces(law, n, pair, spin, slip, force)
     type(hertz_t), intent(in) :: law
@@ -115,17 +115,18 @@ contains
     real(wp), intent(out) :: forces(lanes, 8), slips(lanes, 4)
 
     real(wp) :: x, y, z, square, per_d, per_reach, delta, s, gamma_n, v_n, f_n, part, k_t, excess
-    real(wp) :: t_x, t_y, t_z, a, b, c, along, gamma_t, f_x, f_y, f_z, cap, back, keep
+    real(wp) :: t_x, t_y, t_z, a, b, c, along, gamma_t, f_x, f_y, f_z, cap, back, keep, touch
     integer :: k
 
     excess = law%excess*law%dt**2
     !$omp simd simdlen(8) private(x, y, z, square, per_d, per_reach, delta, s, gamma_n, v_n, f_n, part, k_t) &
-    !$omp& private(t_x, t_y, t_z, a, b, c, along, gamma_t, f_x, f_y, f_z, cap, back, keep)
+    !$omp& private(t_x, t_y, t_z, a, b, c, along, gamma_t, f_x, f_y, f_z, cap, back, keep, touch)
     do k = 1, lanes
       x = pair(1, k)
       y = pair(2, k)
       z = pair(3, k)
       square = x*x + y*y + z*z
+      touch = merge(1.0_wp, 0.0_wp, square < pair(4, k)*pair(4, k))
       per_d = 1/sqrt(square)
       per_reach = 1/pair(4, k)
 
@@ -134,7 +135,7 @@ contains
       s = 2*law%modulus*sqrt(delta/spin(4, k))
       gamma_n = law%damping*sqrt(s/pair(8, k))/(1 + excess*s*pair(8, k))
       v_n = (pair(5, k)*x + pair(6, k)*y + pair(7, k)*z)*per_d
-      f_n = (2.0_wp/3.0_wp)*s*delta - gamma_n*v_n
+      f_n = touch*((2.0_wp/3.0_wp)*s*delta - gamma_n*v_n)
       k_t = law%shear*s
       gamma_t = law%tangential*gamma_n
 
@@ -159,12 +160,12 @@ contains
       f_y = -(k_t*b + gamma_t*t_y)
       f_z = -(k_t*c + gamma_t*t_z)
       cap = law%mu*abs(f_n)/sqrt(max(f_x*f_x + f_y*f_y + f_z*f_z, tiny(cap)))
-      cap = min(cap, 1.0_wp)
+      cap = min(cap, touch)
       back = gamma_t/k_t*(cap - 1)
       slips(k, 1) = cap*a + back*t_x
       slips(k, 2) = cap*b + back*t_y
       slips(k, 3) = cap*c + back*t_z
-      slips(k, 4) = law%step
+      slips(k, 4) = merge(law%step, never, touch > 0.0_wp)
       f_x = cap*f_x
       f_y = cap*f_y
       f_z = cap*f_z
@@ -181,7 +182,7 @@ contains
     end do
   end subroutine eight_with_friction
 
-  !> Forces of n touching pairs without friction, n a multiple of `lanes`; `pair` as in `hertz_friction_forces`.
+  !> Forces of n pairs without friction, as those with it; `pair` as in `hertz_friction_forces`.
   pure subroutine hertz_frictionless_forces(law, n, pair, curvature, force)
     type(hertz_t), intent(in) :: law
     integer, intent(in) :: n
@@ -215,7 +216,7 @@ contains
       s = 2*law%modulus*sqrt(delta/curvature(k))
       gamma_n = law%damping*sqrt(s/pair(8, k))/(1 + excess*s*pair(8, k))
       v_n = (pair(5, k)*pair(1, k) + pair(6, k)*pair(2, k) + pair(7, k)*pair(3, k))*per_d
-      f_n = ((2.0_wp/3.0_wp)*s*delta - gamma_n*v_n)*per_d
+      f_n = merge(((2.0_wp/3.0_wp)*s*delta - gamma_n*v_n)*per_d, 0.0_wp, square < pair(4, k)*pair(4, k))
       forces(k, 1) = pair(1, k)*f_n
       forces(k, 2) = pair(2, k)*f_n
       forces(k, 3) = pair(3, k)*f_n

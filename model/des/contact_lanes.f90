@@ -3,9 +3,10 @@ module contact_lanes
   use kinds, only: wp
   implicit none
   private
-  public :: lanes, turn_eight, turn_four
+  public :: lanes, never, turn_eight, turn_four
 
-  integer, parameter :: lanes = 8  !< pairs computed at a time
+  integer, parameter :: lanes = 8            !< pairs computed at a time
+  real(wp), parameter :: never = -1.0_wp     !< the last touch of a pair that does not touch, or has not yet
 
 contains
 

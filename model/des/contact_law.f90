@@ -108,7 +108,7 @@ contains
     time = time/self%rolling%hurry()
   end function contact_time
 
-  !> Forces of n touching pairs with friction, n a multiple of `lanes`: see `linear_friction_forces`.
+  !> Forces of n pairs with friction, n a multiple of `lanes`, none on those that do not touch: see `linear_friction_forces`.
   pure subroutine friction_forces(law, n, pair, spin, slip, force)
     type(contact_law_t), intent(in) :: law
     integer, intent(in) :: n
@@ -124,7 +124,7 @@ contains
     end if
   end subroutine friction_forces
 
-  !> Forces of n touching pairs without friction, n a multiple of `lanes`.
+  !> The same without friction.
   pure subroutine frictionless_forces(law, n, pair, curvature, force)
     type(contact_law_t), intent(in) :: law
     integer, intent(in) :: n

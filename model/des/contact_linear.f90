@@ -24,7 +24,7 @@
 !> on the other, 1/2 + delta/(v dt) steps of the dashpot. Not so the tangential one, of which the slip keeps account.
 module contact_linear
   use constants, only: pi
-  use contact_lanes, only: lanes, turn_eight, turn_four
+  use contact_lanes, only: lanes, never, turn_eight, turn_four
   use kinds, only: wp
   implicit none
   private
@@ -89,7 +89,7 @@ contains
     contact_time = pi*sqrt(effective_mass)/sqrt(self%k_n - (self%damping/2)**2)
   end function contact_time
 
-  !> Forces of n touching pairs (i, j) with friction, n a multiple of `lanes`.
+  !> Forces of n pairs (i, j) with friction, n a multiple of `lanes`; none on those that do not touch.
   !>
   !> `pair` holds of each pair: 1:3 x_i - x_j, 4 r_i + r_j, 5:7 v_i - v_j, 8 1/m_i + 1/m_j; `spin` holds 1:3
   !> r_i omega_i + r_j omega_j, and in 4 what other laws read; `force` receives 1:3 the force on i and 5:7 the
@@ -122,21 +122,21 @@ contains
     real(wp), intent(out) :: forces(lanes, 8), slips(lanes, 4)
 
     real(wp), dimension(lanes) :: x, y, z, per_d, delta, per_reach, gamma_n, v_n, u, v, w, inverse, f_n
-    real(wp), dimension(lanes) :: t_x, t_y, t_z, a, b, c, f_x, f_y, f_z, gamma_t
-    real(wp) :: square, d, q, share, way, next, part, excess, keep, along, cap, back
+    real(wp), dimension(lanes) :: t_x, t_y, t_z, a, b, c, f_x, f_y, f_z, gamma_t, touch
+    real(wp) :: square, q, share, way, next, part, excess, keep, along, cap, back
     integer :: k
 
     ! Distance, and dashpots: gamma_n = damping sqrt(m_eff)/(1 + excess/m_eff), one division for it and 1/reach.
     excess = law%excess*law%dt**2
-    !$omp simd simdlen(8) private(square, d, q, share)
+    !$omp simd simdlen(8) private(square, q, share)
     do k = 1, lanes
       x(k) = pair(1, k)
       y(k) = pair(2, k)
       z(k) = pair(3, k)
       square = x(k)*x(k) + y(k)*y(k) + z(k)*z(k)
+      touch(k) = merge(1.0_wp, 0.0_wp, square < pair(4, k)*pair(4, k))
       per_d(k) = 1/sqrt(square)
-      d = square*per_d(k)
-      delta(k) = max(pair(4, k) - d, 0.0_wp)
+      delta(k) = max(pair(4, k) - square*per_d(k), 0.0_wp)
       q = sqrt(pair(8, k))*(1 + excess*pair(8, k))
       share = 1/(q*pair(4, k))
       per_reach(k) = share*q
@@ -155,7 +155,7 @@ contains
       next = v_n(k) + 0.5_wp*law%dt*inverse(k)*(law%k_n*delta(k) - gamma_n(k)*v_n(k))
       way = law%dt*merge(next, -v_n(k), next > -v_n(k))
       part = delta(k)/max(merge(way, delta(k), way > delta(k)), tiny(way))
-      f_n(k) = law%k_n*delta(k) - gamma_n(k)*(part + merge(0.5_wp, 0.0_wp, part < 1.0_wp))*v_n(k)
+      f_n(k) = touch(k)*(law%k_n*delta(k) - gamma_n(k)*(part + merge(0.5_wp, 0.0_wp, part < 1.0_wp))*v_n(k))
     end do
 
     ! Velocity at the contact point without its normal part, and the slip since the contact began, kept in the tangent plane.
@@ -183,12 +183,12 @@ contains
       f_y(k) = -(law%k_t*b(k) + gamma_t(k)*t_y(k))
       f_z(k) = -(law%k_t*c(k) + gamma_t(k)*t_z(k))
       cap = law%mu*abs(f_n(k))/sqrt(max(f_x(k)*f_x(k) + f_y(k)*f_y(k) + f_z(k)*f_z(k), tiny(cap)))
-      cap = min(cap, 1.0_wp)
+      cap = min(cap, touch(k))
       back = gamma_t(k)*law%per_k_t*(cap - 1)
       slips(k, 1) = cap*a(k) + back*t_x(k)
       slips(k, 2) = cap*b(k) + back*t_y(k)
       slips(k, 3) = cap*c(k) + back*t_z(k)
-      slips(k, 4) = law%step
+      slips(k, 4) = merge(law%step, never, touch(k) > 0.0_wp)
       f_x(k) = cap*f_x(k)
       f_y(k) = cap*f_y(k)
       f_z(k) = cap*f_z(k)
@@ -208,7 +208,7 @@ contains
     end do
   end subroutine eight_with_friction
 
-  !> Forces of n touching pairs without friction, n a multiple of `lanes`; `pair` as in `linear_friction_forces`.
+  !> The same without friction; `force` receives 1:3 the force on i.
   pure subroutine linear_frictionless_forces(law, n, pair, force)
     type(linear_t), intent(in) :: law
     integer, intent(in) :: n
@@ -244,7 +244,7 @@ contains
       way = law%dt*merge(next, -v_n, next > -v_n)
       part = delta/max(merge(way, delta, way > delta), tiny(way))
       gamma_n = gamma_n*(part + merge(0.5_wp, 0.0_wp, part < 1.0_wp))
-      f_n = (law%k_n*delta - gamma_n*v_n)*per_d
+      f_n = merge((law%k_n*delta - gamma_n*v_n)*per_d, 0.0_wp, square < pair(4, k)*pair(4, k))
       forces(k, 1) = pair(1, k)*f_n
       forces(k, 2) = pair(2, k)*f_n
       forces(k, 3) = pair(3, k)*f_n

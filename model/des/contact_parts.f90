@@ -4,7 +4,6 @@
 !> used when lists are made.
 module contact_parts
   use close_pairs, only: close_pairs_t
-  use contact_lanes, only: lanes
   use contact_law, only: contact_law_t
   use contact_laws, only: contact_laws_t
   use contact_list, only: contact_list_t
@@ -129,7 +128,7 @@ contains
     allocate (pairs%entry(n), pairs%i(n), pairs%j(n))
     pairs%entry = 0
     pairs%with_angles = any(parts%pairs%with_angles)
-    if (pairs%with_history) allocate (pairs%slip(4, n + lanes))
+    if (pairs%with_history) allocate (pairs%slip(4, n))
     if (pairs%with_angles) allocate (pairs%angle(3, n))
     do c = 1, size(parts)
       associate (part => parts(c)%pairs, before => pairs%n)
@@ -140,7 +139,6 @@ contains
         pairs%n = before + part%n
       end associate
     end do
-    if (pairs%with_history) pairs%slip(:, n + 1:) = 0.0_wp
   end function gathered
 
   pure subroutine make_room(list, entries)

@@ -6,8 +6,7 @@
 !> A wall of triangles has an entry for every triangle near a parcel. Those of one parcel follow each other, and which of them are
 !> contacts is found together.
 module walls
-  use close_pairs, only: never
-  use contact_lanes, only: lanes
+  use contact_lanes, only: lanes, never
   use contact_law, only: contact_law_t, friction_forces, frictionless_forces
   use contact_laws, only: contact_laws_t
   use kinds, only: wp

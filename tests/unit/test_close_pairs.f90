@@ -1,4 +1,4 @@
-!> No contact is seen late although close pairs are chosen only now and then.
+!> No contact is seen late although close pairs are chosen only now and then, and all are swept alike.
 !> ranks: 1
 program test_close_pairs
   use check, only: expect, finish
@@ -15,6 +15,7 @@ program test_close_pairs
   call start_ranks(comm)
   call head_on(friction=0.0_wp, name='without friction')
   call head_on(friction=0.3_wp, name='with friction')
+  call many_alike()
   call finish()
   call stop_ranks()
 
@@ -60,5 +61,44 @@ contains
     call expect(in_time .and. .not. outcome%failed(), 'a contact is seen in the step in which it begins '//name)
     call expect(tight, 'and close pairs are chosen there '//name)
   end subroutine head_on
+
+  !> Thousands of like pairs in glancing collisions, in several stretches of rows, move alike.
+  subroutine many_alike()
+    real(wp), parameter :: d = 1.0e-3_wp, speed = 0.05_wp, apart = 4.0e-3_wp
+    integer, parameter :: side = 14, pairs = side**3
+    type(solids_t) :: balls
+    type(contact_settings_t) :: contact
+    type(outcome_t) :: outcome
+    real(wp), allocatable :: x(:,:), v(:,:)
+    real(wp) :: first(6), off
+    integer :: m, c
+    logical :: tight
+
+    contact%stiffness = 200.0_wp
+    contact%friction = 0.3_wp
+    balls = scene(comm, [side*apart, side*apart, side*apart], 0.0_wp, contact)
+    allocate (x(3, 2*pairs), v(3, 2*pairs))
+    do m = 0, pairs - 1
+      x(:, 2*m + 1) = apart*([modulo(m, side), modulo(m/side, side), m/side**2] + 0.4_wp)
+      x(:, 2*m + 2) = x(:, 2*m + 1) + d*[0.8_wp, 0.6_wp, 0.001_wp]
+      v(:, 2*m + 1) = [speed, 0.0_wp, 0.0_wp]
+      v(:, 2*m + 2) = -v(:, 2*m + 1)
+    end do
+    call put(balls, x, v, spread(d, 1, 2*pairs))
+    call balls%advance(20, balls%time_step_limit(), outcome)
+    tight = balls%pairs%tight
+    off = 0.0_wp
+    associate (p => balls%parcels)
+      do c = 1, p%n
+        if (p%id(c) == 1) first = p%state([5, 6, 7, 9, 10, 11], c)
+      end do
+      do c = 1, p%n
+        m = merge(1, -1, modulo(int(p%id(c)), 2) == 1)
+        off = max(off, norm2(p%state(5:7, c) - m*first(1:3)), norm2(p%state(9:11, c) - first(4:6)))
+      end do
+    end associate
+    call expect(tight .and. .not. outcome%failed() .and. norm2(first(4:6)) > 0.01_wp*speed, 'glancing pairs turn')
+    call expect(off < 1e-9_wp*speed, 'pairs alike move alike')
+  end subroutine many_alike
 
 end program test_close_pairs
