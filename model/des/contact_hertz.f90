@@ -10,11 +10,11 @@
 !> lasts until the overlap is gone, so the force attracts shortly before. xi is the slip as a length, which is
 !> multiplied by the present stiffness (Di Renzo & Di Maio, Chem. Eng. Sci. 59 (2004) 525-541, sec. 2.3).
 !>
-!> The contact point is that of contact_linear, and so is what is done about steps that damp too much, with S for k_n; the
-!> dashpot of this law sets in gently.
+!> The contact point is that of contact_linear. Steps damp too much here, too, so dashpots are divided by 1 + (5/12 + zeta)
+!> S dt^2/m_eff, found by trial; they set in gently, and springs are as they are.
 module contact_hertz
   use contact_lanes, only: lanes, never, turn_eight, turn_four
-  use contact_linear, only: damping_ratio, lead_excess
+  use contact_linear, only: damping_ratio
   use kinds, only: wp
   implicit none
   private
@@ -52,7 +52,7 @@ contains
     law%modulus = 1/(compliance(one) + compliance(other))
     law%shear = 4/(law%modulus*(shear_compliance(one) + shear_compliance(other)))
     law%damping = sqrt(10.0_wp/3.0_wp)*damping_ratio(restitution)
-    law%excess = lead_excess(restitution)
+    law%excess = 5.0_wp/12.0_wp + damping_ratio(restitution)
     law%tangential = tangential_damping
     law%mu = mu
   end function new_hertz

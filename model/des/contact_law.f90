@@ -86,8 +86,7 @@ contains
     real(wp), intent(in) :: dt    !< [s]
     real(wp), intent(in) :: step
 
-    self%linear%dt = dt
-    self%linear%step = step
+    call self%linear%set_step(dt, step)
     self%hertz%dt = dt
     self%hertz%step = step
   end subroutine set_step

@@ -81,8 +81,9 @@ def order(rows, curves):
     for name, mark, label in (("order_elastic", "o-", "e 1"), ("order_damped", "s-", "e 0.6")):
         x, error, _ = series(curves, name)
         axis.loglog(x, error, mark, ms=4, color=OURS, mfc="none" if "damped" in name else OURS, label=label)
-    x, _, second = series(curves, "order_elastic")
-    axis.loglog(x, second, ":", color=EXACT, label="second order")
+    for name, line, label in (("order_elastic", "--", "fourth order"), ("order_damped", ":", "second order")):
+        x, _, slope = series(curves, name)
+        axis.loglog(x, slope, line, color=EXACT, label=label)
     axis.set_xticks(x, [f"1/{round(1 / share)}" for share in x])
     axis.minorticks_off()
     axis.set(xlabel="dt/t_c", ylabel="error of a collision")
