@@ -288,13 +288,12 @@ contains
     self%walls%step = self%step
     self%walls%way = self%travelled + self%chamber%way_since(self%listed_at)
     call self%walls%sweep(self%chamber, self%laws, self%parcels)
-    associate (pair => self%laws%pair(1)%cohesion)  ! the same of all
-      if (pair%on) call attract_pairs(pair, self%list, self%parcels)
-    end associate
-    if (size(self%laws%wall) == 0) return
-    associate (wall => self%laws%wall(1)%cohesion)
-      if (wall%on) call attract_walls(wall, self%chamber, self%walls, self%parcels)
-    end associate
+    do law = 1, size(self%laws%pair)
+      if (.not. self%laws%pair(law)%cohesion%on) cycle
+      if (.not. allocated(self%parts)) call attract_pairs(self%laws%pair(law)%cohesion, self%list, self%parcels)
+      if (allocated(self%parts)) call attract_pairs(self%laws%pair(law)%cohesion, self%parts(law)%list, self%parcels)
+    end do
+    if (any(self%laws%wall%cohesion%on)) call attract_walls(self%laws, self%chamber, self%walls, self%parcels)
   end subroutine find_forces
 
   !> After a drift: make new lists if some parcel or wall may have gone half the skin, else refresh the ghosts.
