@@ -84,8 +84,8 @@ contains
                            'no two materials that meet attract each other: write ''none''')
     end if
     if (contact%cohesion /= 'linear') return
-    do b = 0, laws%materials()
-      do a = 0, laws%materials()
+    do a = 0, laws%materials()
+      do b = 0, laws%materials()
         if (laws%pair_number(a, b) > 0) call check_strength(contact, laws%pair(laws%pair_number(a, b)), a, b, .false., keys)
         if (keys%problems%count() > 0) return
         if (laws%wall_number(a, b) > 0) call check_strength(contact, laws%wall(laws%wall_number(a, b)), a, b, .true., keys)

@@ -12,7 +12,9 @@ program test_materials_effects
   use des_settings, only: des_settings_t
   use kinds, only: wp
   use material_settings, only: material_settings_t, pair_settings_t
+  use mesh_scenes, only: mesh, sheet
   use solids, only: solids_t
+  use surface, only: surface_t, new_surface
   use wall_scenes, only: mass_of, plane, cylinder, column, g
   use wall_settings, only: wall_settings_t
   implicit none
@@ -226,21 +228,25 @@ contains
     end do
   end subroutine stopping_distances
 
-  !> A box with a floor of the first material, a roof of the second, a plane and a rod of the third, and sides of none.
+  !> A box with a floor of the first material, a roof of the second, a plane and a rod of the third, a mesh of the second, and sides
+  !> of none.
   function box(contact) result(solids)
     type(contact_settings_t), intent(in) :: contact
     type(solids_t) :: solids
 
-    type(wall_settings_t) :: walls(2)
+    type(wall_settings_t) :: walls(3)
+    type(surface_t) :: surfaces(3)
     type(chamber_t) :: chamber
 
     chamber%lower = 0.0_wp
     chamber%upper = 10*d
     chamber%face_material = [0, 0, 0, 0, 1, 2]
-    walls = [plane([0.0_wp, 3*d, 0.0_wp], [0.0_wp, 1.0_wp, 0.0_wp]), cylinder([0.0_wp, 6*d, 5*d], [1.0_wp, 0.0_wp, 0.0_wp], d/2)]
-    walls%material = 3
-    walls(2)%side = 'outside'
-    call chamber%add_walls(walls)
+    walls = [plane([0.0_wp, 3*d, 0.0_wp], [0.0_wp, 1.0_wp, 0.0_wp]), mesh(), &
+             cylinder([0.0_wp, 6*d, 5*d], [1.0_wp, 0.0_wp, 0.0_wp], d/2)]
+    walls%material = [3, 2, 3]
+    walls(3)%side = 'outside'
+    surfaces(2) = new_surface(sheet([8*d, 0.0_wp, 0.0_wp], [0.0_wp, 10*d, 0.0_wp], [0.0_wp, 0.0_wp, 10*d], [9, 9], 0.2_wp))
+    call chamber%add_walls(walls, surfaces)
     call solids%create(comm, chamber, contact, des_settings_t(), .false., 0.0_wp)
   end function box
 
@@ -281,6 +287,7 @@ contains
       call towards_wall(contact, [5*d, 5*d, 10*d - r - gap], [0.0_wp, 0.0_wp, 1.0_wp], a, 2, gap)
       call towards_wall(contact, [2*d, 3*d + r + gap, 5*d], [0.0_wp, -1.0_wp, 0.0_wp], a, 3, gap)
       call towards_wall(contact, [2*d, 6*d + d/2 + r + gap, 5*d], [0.0_wp, -1.0_wp, 0.0_wp], a, 3, gap)
+      call towards_wall(contact, [8*d - r - gap, 8.1_wp*d, 2.3_wp*d], [1.0_wp, 0.0_wp, 0.0_wp], a, 2, gap)
       call towards_wall(contact, [5*d, 10*d - r - gap, 5*d], [0.0_wp, 1.0_wp, 0.0_wp], a, 0, gap)
     end do
   end subroutine forces
