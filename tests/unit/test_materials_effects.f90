@@ -91,6 +91,7 @@ contains
 
   !> Of every pair, in either order and at walls; and what is as in &contact.
   subroutine mixing()
+    real(wp), parameter :: scaled(4) = [1.0_wp, 1.0_wp, 9.0_wp, 3.0_wp**(1.0_wp/3.0_wp)]
     type(contact_settings_t) :: contact
     integer :: a, b
 
@@ -101,6 +102,13 @@ contains
         call expect(all(abs(effects(wall_pair_of(contact, a, b)) - rule(a, b)) <= 1.0e-14_wp*rule(a, b)), 'and of one and a wall')
       end do
     end do
+    contact%coarseness = 3.0_wp
+    contact%cohesion_scaling = 'bond_number'
+    do a = 1, n
+      call expect(all(abs(effects(pair_of(contact, a, 3)) - rule(a, 3)*scaled) <= 1.0e-14_wp*rule(a, 3)*scaled), &
+                  'parcels attract as the weight of '//name_of(a, 3)//' asks for, and roll as particles do')
+    end do
+    contact%cohesion_scaling = 'none'
     contact%materials(1) = material_settings_t()
     contact%rolling_friction = 0.5_wp
     contact%rolling_damping = 0.6_wp
