@@ -177,8 +177,8 @@ contains
     must = .true.
     if (.not. (allocated(self%materials) .and. allocated(self%powder_material))) return
     if (any(self%powder_material == 0)) return
-    associate (all_of_them => [self%powder_material, self%own_material, self%wall_material])
-      must = .not. all(self%materials(pack(all_of_them, all_of_them > 0))%gives(property))
+    associate (used => [self%powder_material, self%own_material, self%wall_material])
+      must = .not. all(self%materials(pack(used, used > 0))%gives(property))
     end associate
   end function must_give
 
