@@ -178,7 +178,11 @@ contains
       bed%x = mirrored(mirrored(part%x, 1, part%box(1)), 2, part%box(2))
       call settle(bed, stiffness=200.0_wp, time=0.01_wp)
     else if (.not. bed%gas) then
-      call settle(bed, stiffness=20.0_wp, time=merge(0.2_wp, 0.12_wp, workload == 'W3'))
+      if (workload == 'W3') then
+        call settle(bed, stiffness=60.0_wp, time=0.12_wp, pull=5.0_wp)
+      else
+        call settle(bed, stiffness=20.0_wp, time=0.2_wp)
+      end if
       call settle(bed, stiffness=60.0_wp, time=0.02_wp)
       call settle(bed, stiffness=200.0_wp, time=0.04_wp)
     end if
@@ -226,10 +230,11 @@ contains
                     spread(1, 1, n), [(int(k, i8), k=1, n)])
   end subroutine start
 
-  !> Let the parcels fall for a time, with little restitution; softer ones fall in fewer steps.
-  subroutine settle(bed, stiffness, time)
+  !> Let the parcels fall for a time, with little restitution; softer ones fall in fewer steps, a stronger gravity in less time.
+  subroutine settle(bed, stiffness, time, pull)
     type(bed_t), intent(inout) :: bed
     real(wp), intent(in) :: stiffness, time  !< [N/m], [s]
+    real(wp), intent(in), optional :: pull   !< over gravity [-]
 
     type(solids_t) :: solids
     type(contact_settings_t) :: contact
@@ -241,6 +246,7 @@ contains
     contact%stiffness = stiffness
     contact%restitution = 0.3_wp
     call start(bed, contact, solids)
+    if (present(pull)) solids%chamber%gravity = pull*solids%chamber%gravity
     dt = solids%time_step_limit()
     call solids%advance(nint(time/dt), dt, outcome)
     if (outcome%failed()) call fail(outcome)
