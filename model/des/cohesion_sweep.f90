@@ -1,9 +1,10 @@
 !> One more pass over the listed pairs, and over the parcels near walls, for runs with cohesion: it reaches farther than
-!> contacts do, and adds its attraction to what they have computed.
+!> contacts do, and adds its attraction to what they have computed. Pairs of unlike materials come dealt by law: see contact_parts.
 module cohesion_sweep
   use chamber, only: chamber_t
   use contact_lanes, only: lanes
   use cohesion, only: cohesion_t, attractions
+  use contact_laws, only: contact_laws_t
   use contact_list, only: contact_list_t
   use kinds, only: wp
   use parcels, only: parcels_t, radius_row
@@ -16,7 +17,7 @@ module cohesion_sweep
 
 contains
 
-  !> Add the attraction of all pairs within reach, in some rows.
+  !> Add the attraction of all listed pairs within reach, in some rows; they have one law.
   pure subroutine attract_pairs(cohesion, list, rows, parcels)
     type(cohesion_t), intent(in) :: cohesion
     type(contact_list_t), intent(in) :: list
@@ -76,8 +77,8 @@ contains
 
   !> Add the attraction of all walls within reach of the parcels `walls` has taken. Of meshes it is that of the nearest points
   !> that contacts have, too.
-  pure subroutine attract_walls(cohesion, chamber, walls, parcels)
-    type(cohesion_t), intent(in) :: cohesion
+  pure subroutine attract_walls(laws, chamber, walls, parcels)
+    type(contact_laws_t), intent(in) :: laws
     type(chamber_t), intent(in) :: chamber
     type(wall_list_t), intent(in) :: walls
     type(parcels_t), intent(inout) :: parcels
@@ -87,14 +88,33 @@ contains
 
     do kind = 1, 3
       do w = walls%first(kind), walls%last(kind)
-        call chamber%approach(walls%face(w), parcels%state(1:3, walls%parcel(w)), way, distance)
-        if (distance > 0.0_wp) call attract(cohesion, walls%parcel(w), way, distance, parcels)
+        associate (cohesion => laws%wall(law_of(w))%cohesion)
+          if (.not. cohesion%on) cycle
+          call chamber%approach(walls%face(w), parcels%state(1:3, walls%parcel(w)), way, distance)
+          if (distance > 0.0_wp) call attract(cohesion, walls%parcel(w), way, distance, parcels)
+        end associate
       end do
     end do
     do run = walls%first(4), walls%last(4)
-      if (walls%run_gap(run) > walls%way + cohesion%reach) cycle
-      call attract_run(cohesion, chamber, walls, walls%run_range(run), parcels)
+      associate (range => walls%run_range(run))
+        associate (cohesion => laws%wall(law_of(range(1)))%cohesion)
+          if (.not. cohesion%on .or. walls%run_gap(run) > walls%way + cohesion%reach) cycle
+          call attract_run(cohesion, chamber, walls, range, parcels)
+        end associate
+      end associate
     end do
+
+  contains
+
+    !> That of an entry.
+    pure function law_of(w) result(law)
+      integer, intent(in) :: w
+      integer :: law
+
+      law = 1
+      if (size(laws%wall) > 1) law = laws%of_wall(parcels%powder(walls%parcel(w)), chamber%material_of(walls%face(w)))
+    end function law_of
+
   end subroutine attract_walls
 
   !> Of one mesh on one parcel.

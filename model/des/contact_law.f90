@@ -40,44 +40,37 @@ contains
     else
       law%linear = new_linear(pair%stiffness, pair%tangential_ratio, pair%restitution, pair%tangential_damping_ratio, law%mu)
     end if
-    law%rolling = rolling_of(settings, pair%rolling_friction, law)
-    law%cohesion = cohesion_of(settings, pair%hamaker_constant, pair%cohesion_energy)
+    law%rolling = rolling_of(settings, pair, law)
+    law%cohesion = cohesion_of(settings, pair)
   end function new_law
 
-  !> Resistance to rolling beside a law that is complete but for it.
-  pure function rolling_of(settings, mu, law) result(rolling)
+  !> Resistance to rolling, where there is any, beside a law that is complete but for it.
+  pure function rolling_of(settings, pair, law) result(rolling)
     type(contact_settings_t), intent(in) :: settings
-    real(wp), intent(in) :: mu  !< rolling friction [-]
+    type(pair_t), intent(in) :: pair
     type(contact_law_t), intent(in) :: law
     type(rolling_t) :: rolling
 
-    if (settings%rolling == 'none') return
-    rolling%on = mu > 0.0_wp
+    if (settings%rolling == 'none' .or. .not. pair%rolling_friction > 0.0_wp) return
+    rolling%on = .true.
     rolling%spring = settings%rolling == 'spring'
     rolling%hertzian = law%hertzian
-    rolling%mu = mu
-    rolling%damping = settings%rolling_damping
+    rolling%mu = pair%rolling_friction
+    rolling%damping = pair%rolling_damping
     rolling%stiffness = merge(law%hertz%modulus, law%linear%k_n, law%hertzian)
   end function rolling_of
 
-  pure function cohesion_of(settings, hamaker, energy) result(cohesion)
+  !> Attraction, where there is any.
+  pure function cohesion_of(settings, pair) result(cohesion)
     type(contact_settings_t), intent(in) :: settings
-    real(wp), intent(in) :: hamaker  !< [J]
-    real(wp), intent(in) :: energy   !< [J/m3]
+    type(pair_t), intent(in) :: pair
     type(cohesion_t) :: cohesion
 
-    select case (settings%cohesion)
-    case ('van_der_waals')
-      cohesion%on = hamaker > 0.0_wp
-      cohesion%van_der_waals = .true.
-      cohesion%strength = hamaker/6
-      cohesion%nearest = settings%minimum_separation
-      cohesion%reach = settings%maximum_separation
-    case ('linear')
-      cohesion%on = energy > 0.0_wp
-      cohesion%strength = pi*energy
-    case default
-    end select
+    if (settings%cohesion == 'van_der_waals' .and. pair%hamaker_constant > 0.0_wp) then
+      cohesion = cohesion_t(.true., .true., pair%hamaker_constant/6, settings%minimum_separation, settings%maximum_separation)
+    else if (settings%cohesion == 'linear' .and. pair%cohesion_energy > 0.0_wp) then
+      cohesion = cohesion_t(.true., .false., pi*pair%cohesion_energy)
+    end if
   end function cohesion_of
 
   !> The length of the steps that follow, and the number of the next.

@@ -16,7 +16,7 @@ module contact_parts
 
   !> The pairs of one law.
   type :: part_t
-    type(contact_list_t) :: list    !< without `first`
+    type(contact_list_t) :: list
     type(close_pairs_t) :: pairs
   end type part_t
 
@@ -30,21 +30,24 @@ contains
     integer, intent(in) :: powder(:)       !< of each column, ghosts included
     type(part_t), intent(inout) :: parts(:)  !< one for each law
 
-    integer :: number(list%entries), c, k, n
+    integer :: number(list%entries), c, i, k, n
 
     do k = 1, list%entries
       number(k) = laws%of_pair(powder(list%row(k)), powder(list%partner(k)))
     end do
     do c = 1, size(parts)
       associate (part => parts(c)%list)
-        call make_room(part, count(number == c))
-        n = 0
-        do k = 1, list%entries
-          if (number(k) /= c) cycle
-          n = n + 1
-          part%row(n) = list%row(k)
-          part%partner(n) = list%partner(k)
+        call part%start(list%rows)
+        call part%reserve(count(number == c))
+        do i = 1, list%rows
+          do k = list%first(i), list%first(i + 1) - 1
+            if (number(k) /= c) cycle
+            part%entries = part%entries + 1
+            part%partner(part%entries) = list%partner(k)
+          end do
+          part%first(i + 1) = part%entries + 1
         end do
+        call part%note_rows()
       end associate
       parts(c)%pairs%with_history = pairs%with_history
       parts(c)%pairs%with_angles = pairs%with_angles
@@ -140,17 +143,5 @@ contains
       end associate
     end do
   end function gathered
-
-  pure subroutine make_room(list, entries)
-    type(contact_list_t), intent(inout) :: list
-    integer, intent(in) :: entries
-
-    list%entries = entries
-    if (allocated(list%row)) then
-      if (size(list%row) >= entries) return
-      deallocate (list%row, list%partner)
-    end if
-    allocate (list%row(entries + entries/8 + 8), list%partner(entries + entries/8 + 8))
-  end subroutine make_room
 
 end module contact_parts

@@ -9,8 +9,6 @@ module contact_settings
   private
   public :: contact_settings_t, declare_contact
 
-  real(wp), parameter :: largest_cohesion = 0.1_wp  !< over the effective modulus: 6 % of R overlap at rest
-
   type :: contact_settings_t
     character(len=word_length) :: law = 'linear'      !< or 'hertz'
     real(wp) :: stiffness = unset                     !< linear: normal, k_n [N/m]
@@ -46,6 +44,7 @@ module contact_settings
     type(material_settings_t), allocatable :: materials(:)  !< exist if there are any
     type(pair_settings_t), allocatable :: pairs(:)          !< exist with materials
     integer, allocatable :: powder_material(:)              !< of each powder; 0: none, as above. Exists with materials
+    integer, allocatable :: own_material(:)                 !< of walls and faces that name one; 0: none. Exists with materials
   contains
     procedure :: must_give
   end type contact_settings_t
@@ -61,6 +60,7 @@ contains
 
     call keys%get('law', settings%law, 'linear: spring and dashpot; hertz: Hertz and Mindlin', 'linear | hertz')
     hertz = settings%law == 'hertz'
+    call declare_wall_material(settings, keys)
     call keys%get('stiffness', settings%stiffness, 'normal spring between parcels, k_n [N/m]', '(0, inf)', &
                   required=settings%must_give('stiffness') .and. .not. hertz, when='for linear, unless all materials give it')
     call declare_hertz(settings, hertz, keys)
@@ -78,7 +78,6 @@ contains
                   'constant_modulus: as given times their width over that of their particles', 'none | constant_modulus')
     call keys%get('restitution_scaling', settings%restitution_scaling, 'restitution of parcels: none: as given; '// &
                   'dissipation: less, so that they dissipate as their particles do', 'none | dissipation')
-    call declare_wall_material(settings, keys)
     if (allocated(settings%materials) .or. .not. is_set(settings%wall_friction)) return
     call keys%require(settings%friction > 0 .or. .not. settings%wall_friction > 0, 'wall_friction', &
                       'needs friction between parcels, too: parcels without friction do not rotate')
@@ -95,7 +94,8 @@ contains
                   'none | constant_torque | spring')
     on = settings%rolling == 'constant_torque' .or. settings%rolling == 'spring'
     call keys%get('rolling_friction', settings%rolling_friction, 'largest rolling torque over normal force and '// &
-                  'r_i r_j/(r_i + r_j), mu_r [-]', '(0, 10]', required=on, when='with rolling')
+                  'r_i r_j/(r_i + r_j), mu_r [-]', '(0, 10]', required=on .and. settings%must_give('rolling_friction'), &
+                  when='with rolling, unless all materials give it')
     call keys%get('rolling_damping', settings%rolling_damping, 'spring: its damping over the critical one [-]', '[0, 1]')
     call keys%get('wall_rolling_friction', settings%wall_rolling_friction, 'mu_r against walls; as parcels if not given [-]', &
                   '[0, 10]')
@@ -117,7 +117,8 @@ contains
     van_der_waals = settings%cohesion == 'van_der_waals'
     linear = settings%cohesion == 'linear'
     call keys%get('hamaker_constant', settings%hamaker_constant, 'van der Waals: Hamaker''s constant [J]', '(0, inf)', &
-                  required=van_der_waals, when='for van_der_waals')
+                  required=van_der_waals .and. settings%must_give('hamaker_constant'), &
+                  when='for van_der_waals, unless all materials give it')
     call keys%get('wall_hamaker_constant', settings%wall_hamaker_constant, 'of parcels and walls; as parcels if not given [J]', &
                   '[0, inf)')
     call keys%get('minimum_separation', settings%minimum_separation, 'van der Waals: gap from which on, touching included, '// &
@@ -125,7 +126,7 @@ contains
     call keys%get('maximum_separation', settings%maximum_separation, 'van der Waals: gap from which on there is none [m]', &
                   '(0, inf)', required=van_der_waals, when='for van_der_waals')
     call keys%get('cohesion_energy', settings%cohesion_energy, 'linear: attraction over area of contact [J/m3]', '(0, inf)', &
-                  required=linear, when='for linear')
+                  required=linear .and. settings%must_give('cohesion_energy'), when='for linear, unless all materials give it')
     call keys%get('wall_cohesion_energy', settings%wall_cohesion_energy, 'the same against walls; as parcels if not given '// &
                   '[J/m3]', '[0, inf)')
     call keys%get('cohesion_scaling', settings%cohesion_scaling, 'attraction of parcels: none: as given; bond_number: over '// &
@@ -140,8 +141,6 @@ contains
     logical, intent(in) :: van_der_waals, linear
     type(keys_t), intent(inout) :: keys
 
-    real(wp) :: modulus
-
     call keys%require(van_der_waals .or. .not. is_set(settings%hamaker_constant), 'hamaker_constant', &
                       'belongs to cohesion = ''van_der_waals''')
     call keys%require(linear .or. .not. is_set(settings%cohesion_energy), 'cohesion_energy', 'belongs to cohesion = ''linear''')
@@ -149,11 +148,6 @@ contains
       call keys%require(settings%maximum_separation > settings%minimum_separation, 'maximum_separation', &
                         'must be more than minimum_separation')
     end if
-    if (.not. (linear .and. is_set(settings%cohesion_energy) .and. is_set(settings%youngs_modulus) .and. &
-               is_set(settings%poisson_ratio))) return
-    modulus = settings%youngs_modulus/(2*(1 - settings%poisson_ratio**2))
-    call keys%require(settings%cohesion_energy <= largest_cohesion*modulus, 'cohesion_energy', 'draws parcels into each '// &
-                      'other: at most a tenth of the effective modulus, E/(2 (1 - nu^2))')
   end subroutine check_cohesion
 
   !> The material of walls, which takes the place of what else is said of them.
@@ -161,8 +155,9 @@ contains
     type(contact_settings_t), intent(inout) :: settings
     type(keys_t), intent(inout) :: keys
 
-    character(len=*), parameter :: own(5) = [character(len=19) :: 'wall_stiffness', 'wall_youngs_modulus', 'wall_poisson_ratio', &
-                                             'wall_restitution', 'wall_friction']
+    character(len=*), parameter :: own(8) = [character(len=21) :: 'wall_stiffness', 'wall_youngs_modulus', 'wall_poisson_ratio', &
+                                             'wall_restitution', 'wall_friction', 'wall_rolling_friction', &
+                                             'wall_hamaker_constant', 'wall_cohesion_energy']
     integer :: i
 
     call keys%get_optional_reference('wall_material', settings%wall_material_id, settings%wall_material, 'material', &
@@ -173,30 +168,18 @@ contains
     end do
   end subroutine declare_wall_material
 
-  !> Whether a property is asked of &contact: whether some powder has no material, or one that does not give it.
+  !> Whether a property is asked of &contact: whether some powder has no material, or one, or a wall one, that does not give it.
   pure function must_give(self, property) result(must)
     class(contact_settings_t), intent(in) :: self
     character(len=*), intent(in) :: property
     logical :: must
 
-    integer :: i
-
     must = .true.
     if (.not. (allocated(self%materials) .and. allocated(self%powder_material))) return
-    do i = 1, size(self%powder_material)
-      if (self%powder_material(i) == 0) return
-      associate (material => self%materials(self%powder_material(i)))
-        select case (property)
-        case ('stiffness')
-          if (.not. is_set(material%stiffness)) return
-        case ('youngs_modulus')
-          if (.not. is_set(material%youngs_modulus)) return
-        case default
-          if (.not. is_set(material%poisson_ratio)) return
-        end select
-      end associate
-    end do
-    must = .false.
+    if (any(self%powder_material == 0)) return
+    associate (used => [self%powder_material, self%own_material, self%wall_material])
+      must = .not. all(self%materials(pack(used, used > 0))%gives(property))
+    end associate
   end function must_give
 
   !> Keys of the law of Hertz, which may stand where the linear one is chosen, so that one line changes it.

@@ -1,7 +1,7 @@
 !> The &material and &material_pair records: what parcels and walls are made of, and what two materials are to each other.
 module material_settings
   use case_keys, only: keys_t
-  use constants, only: unset
+  use constants, only: unset, is_set
   use kinds, only: wp
   use text, only: word_length
   implicit none
@@ -16,6 +16,12 @@ module material_settings
     real(wp) :: poisson_ratio = unset     !< hertz: [-]
     real(wp) :: restitution = unset       !< e_n of a contact with its like [-]
     real(wp) :: friction = unset          !< mu of a contact with its like [-]
+    real(wp) :: rolling_friction = unset  !< mu_r of a contact with its like [-]
+    real(wp) :: rolling_damping = unset   !< eta of a contact with its like [-]
+    real(wp) :: hamaker_constant = unset  !< A of two of it [J]
+    real(wp) :: cohesion_energy = unset   !< k of two of it [J/m3]
+  contains
+    procedure :: gives
   end type material_settings_t
 
   !> What is unset follows from the two materials: see contact_pairs.
@@ -27,6 +33,10 @@ module material_settings
     real(wp) :: friction = unset                   !< mu [-]
     real(wp) :: tangential_ratio = unset           !< linear: k_t/k_n [-]
     real(wp) :: tangential_damping_ratio = unset   !< gamma_t/gamma_n [-]
+    real(wp) :: rolling_friction = unset           !< mu_r [-]
+    real(wp) :: rolling_damping = unset            !< eta [-]
+    real(wp) :: hamaker_constant = unset           !< A [J]
+    real(wp) :: cohesion_energy = unset            !< k [J/m3]
   end type pair_settings_t
 
 contains
@@ -42,7 +52,37 @@ contains
     call keys%get('poisson_ratio', settings%poisson_ratio, 'hertz: Poisson''s ratio [-]', '(-1, 0.5)')
     call keys%get('restitution', settings%restitution, 'normal restitution of a contact with its like, e_n [-]', '[0.01, 1]')
     call keys%get('friction', settings%friction, 'Coulomb friction of a contact with its like, mu [-]', '[0, 10]')
+    call keys%get('rolling_friction', settings%rolling_friction, 'with rolling: mu_r of a contact with its like [-]', '[0, 10]')
+    call keys%get('rolling_damping', settings%rolling_damping, 'rolling spring: damping of a contact with its like over the '// &
+                  'critical one [-]', '[0, 1]')
+    call keys%get('hamaker_constant', settings%hamaker_constant, 'van der Waals: Hamaker''s constant of two of it [J]', '[0, inf)')
+    call keys%get('cohesion_energy', settings%cohesion_energy, 'linear cohesion: attraction of two of it over their area of '// &
+                  'contact [J/m3]', '[0, inf)')
   end subroutine declare_material
+
+  !> Whether the material has a property of its own, one of those &contact may be required to give.
+  elemental function gives(self, property)
+    class(material_settings_t), intent(in) :: self
+    character(len=*), intent(in) :: property  !< key
+    logical :: gives
+
+    select case (property)
+    case ('stiffness')
+      gives = is_set(self%stiffness)
+    case ('youngs_modulus')
+      gives = is_set(self%youngs_modulus)
+    case ('poisson_ratio')
+      gives = is_set(self%poisson_ratio)
+    case ('rolling_friction')
+      gives = is_set(self%rolling_friction)
+    case ('hamaker_constant')
+      gives = is_set(self%hamaker_constant)
+    case ('cohesion_energy')
+      gives = is_set(self%cohesion_energy)
+    case default
+      gives = .false.
+    end select
+  end function gives
 
   !> The keys of the open record &material_pair.
   subroutine declare_pair(settings, former, keys)
@@ -60,6 +100,13 @@ contains
                   'linear: tangential over normal stiffness; else that of &contact [-]', '(0, 2]')
     call keys%get('tangential_damping_ratio', settings%tangential_damping_ratio, &
                   'tangential over normal damping; else that of &contact [-]', '[0, 2]')
+    call keys%get('rolling_friction', settings%rolling_friction, 'with rolling: mu_r; else sqrt(mu_r,i mu_r,j) [-]', '[0, 10]')
+    call keys%get('rolling_damping', settings%rolling_damping, 'rolling spring: damping over the critical one, eta; '// &
+                  'else sqrt(eta_i eta_j) [-]', '[0, 1]')
+    call keys%get('hamaker_constant', settings%hamaker_constant, 'van der Waals: Hamaker''s constant, A; else sqrt(A_i A_j) [J]', &
+                  '[0, inf)')
+    call keys%get('cohesion_energy', settings%cohesion_energy, 'linear cohesion: attraction over area of contact, k; '// &
+                  'else sqrt(k_i k_j) [J/m3]', '[0, inf)')
     if (any(settings%materials == 0)) return
     do i = 1, size(former)
       if (.not. (all(former(i)%materials == settings%materials) .or. &

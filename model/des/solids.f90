@@ -305,16 +305,19 @@ contains
     class(solids_t), intent(inout) :: self
     integer, intent(in) :: columns(2)  !< first and last
 
+    integer :: law
+
     call sweep_rows(self%laws, columns(2), self%pairs, self%parts, self%parcels)
     call self%walls%take_parcels(columns(2))
     call self%walls%sweep(self%chamber, self%laws, self%parcels)
-    associate (pair => self%laws%pair(1)%cohesion)  ! the same of all
-      if (pair%on) call attract_pairs(pair, self%list, columns, self%parcels)
-    end associate
-    if (size(self%laws%wall) == 0) return
-    associate (wall => self%laws%wall(1)%cohesion)
-      if (wall%on) call attract_walls(wall, self%chamber, self%walls, self%parcels)
-    end associate
+    do law = 1, size(self%laws%pair)
+      associate (cohesion => self%laws%pair(law)%cohesion)
+        if (.not. cohesion%on) cycle
+        if (.not. allocated(self%parts)) call attract_pairs(cohesion, self%list, columns, self%parcels)
+        if (allocated(self%parts)) call attract_pairs(cohesion, self%parts(law)%list, columns, self%parcels)
+      end associate
+    end do
+    if (any(self%laws%wall%cohesion%on)) call attract_walls(self%laws, self%chamber, self%walls, self%parcels)
   end subroutine find_forces
 
   !> After a drift: make new lists if some parcel or wall may have gone half the skin, else refresh the ghosts.

@@ -131,7 +131,10 @@ contains
     end do
     call keys%group('contact', 'springs, dashpots and friction', when, &
                     required=case%with_parcels, unwanted=.not. case%with_parcels)
-    if (allocated(case%contact%materials)) case%contact%powder_material = case%powders%material
+    if (allocated(case%contact%materials)) then
+      case%contact%powder_material = case%powders%material
+      case%contact%own_material = [case%walls%material, case%boundaries%material]
+    end if
     call declare_contact(case%contact, keys)
     where (case%walls%material == 0) case%walls%material = case%contact%wall_material
   end subroutine declare_powder_groups
@@ -152,7 +155,7 @@ contains
     end do
     call keys%group('material_pair', 'contacts between two materials', 'optional, with &material; what it does not say follows '// &
                     'from the two', unwanted=.not. case%with_parcels, repeated=.true.)
-    if (allocated(case%contact%materials)) allocate (case%contact%pairs(keys%number()))
+    allocate (case%contact%pairs(keys%number()))
     do i = 1, keys%number()
       call keys%open(i)
       call declare_pair(case%contact%pairs(i), case%contact%pairs(:i - 1), keys)

@@ -4,6 +4,7 @@ module case_checks
   use case, only: case_t
   use case_keys, only: keys_t
   use constants, only: is_set
+  use contact_checks, only: check_contacts
   use covered_faces, only: faces_covered
   use kinds, only: wp
   use outcome, only: outcome_t
@@ -37,6 +38,7 @@ contains
       call keys%require_at(case%gas_numerics%time_step <= case%run%end_time, 'run', 1, 'end_time', &
                            'is less than one time_step of &numerics, '//shown(case%gas_numerics%time_step)//' s')
     end if
+    if (case%with_parcels) call check_contacts(case, keys)
     if (.not. domain_known) return
     call check_regions(case, keys)
     call check_monitors(case, keys)

@@ -57,7 +57,6 @@ contains
     call find_coarseness(case, trim(key), keys)
     if (.not. is_set(case%contact%coarseness)) return
     l = case%contact%coarseness
-    if (attraction) call scale_attraction(l, case%contact)
     if (restitution) call check_restitutions(case, keys)
   end subroutine scale_contacts
 
@@ -88,17 +87,6 @@ contains
       return
     end do
   end subroutine find_coarseness
-
-  !> So that it is the same part of the weight.
-  pure subroutine scale_attraction(l, contact)
-    real(wp), intent(in) :: l
-    type(contact_settings_t), intent(inout) :: contact
-
-    if (is_set(contact%hamaker_constant)) contact%hamaker_constant = l**2*contact%hamaker_constant
-    if (is_set(contact%wall_hamaker_constant)) contact%wall_hamaker_constant = l**2*contact%wall_hamaker_constant
-    if (is_set(contact%cohesion_energy)) contact%cohesion_energy = l**(1.0_wp/3.0_wp)*contact%cohesion_energy
-    if (is_set(contact%wall_cohesion_energy)) contact%wall_cohesion_energy = l**(1.0_wp/3.0_wp)*contact%wall_cohesion_energy
-  end subroutine scale_attraction
 
   !> Every restitution that is given must leave one that dissipates as much as is asked for. What follows for other pairs lies
   !> between those.

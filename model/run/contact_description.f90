@@ -37,21 +37,22 @@ contains
     end if
   end subroutine describe_contact
 
+  !> What is common to all; how strong it is of all, or else of the pairs, where materials are.
   subroutine describe_cohesion(contact, unit)
     type(contact_settings_t), intent(in) :: contact
     integer, intent(in) :: unit
 
-    character(len=:), allocatable :: walls
+    character(len=:), allocatable :: strength
 
-    walls = ''
+    strength = ''
+    if (.not. allocated(contact%materials)) strength = ','//strengths(attraction(contact, pair_of(contact, 0, 0)), &
+                                                                      attraction(contact, wall_pair_of(contact, 0, 0)), ' at walls')
     select case (contact%cohesion)
     case ('van_der_waals')
-      if (is_set(contact%wall_hamaker_constant)) walls = ', '//brief(contact%wall_hamaker_constant)//' J at walls'
-      call line(unit, '', 'van der Waals attraction, '//brief(contact%hamaker_constant)//' J'//walls//', up to a gap of ' &
-                //brief(contact%maximum_separation)//' m, constant below '//brief(contact%minimum_separation)//' m')
+      call line(unit, '', 'van der Waals attraction'//strength//', up to a gap of '//brief(contact%maximum_separation) &
+                //' m, constant below '//brief(contact%minimum_separation)//' m')
     case ('linear')
-      if (is_set(contact%wall_cohesion_energy)) walls = ', '//brief(contact%wall_cohesion_energy)//' J/m3 at walls'
-      call line(unit, '', 'attraction '//brief(contact%cohesion_energy)//' J/m3 over the area of contact'//walls)
+      call line(unit, '', 'attraction over the area of contact'//strength)
     case default
     end select
   end subroutine describe_cohesion
@@ -60,11 +61,16 @@ contains
     type(contact_settings_t), intent(in) :: contact
     integer, intent(in) :: unit
 
+    type(pair_t) :: pair, wall
     character(len=:), allocatable :: words
 
     if (contact%rolling == 'none') return
-    words = 'rolling friction '//shown(contact%rolling_friction)
-    if (is_set(contact%wall_rolling_friction)) words = words//', '//shown(contact%wall_rolling_friction)//' on walls'
+    words = 'rolling friction'
+    if (.not. allocated(contact%materials)) then
+      pair = pair_of(contact, 0, 0)
+      wall = wall_pair_of(contact, 0, 0)
+      words = words//strengths(shown(pair%rolling_friction), shown(wall%rolling_friction), ' on walls')
+    end if
     if (contact%rolling == 'spring') then
       words = words//' by a spring: contacts remember the angle they have rolled'
     else
@@ -72,6 +78,26 @@ contains
     end if
     call line(unit, '', words)
   end subroutine describe_rolling
+
+  !> ' 0.1', or ' 0.1, 0.2 on walls'.
+  pure function strengths(between_parcels, with_walls, where)
+    character(len=*), intent(in) :: between_parcels, with_walls, where
+    character(len=:), allocatable :: strengths
+
+    strengths = ' '//between_parcels
+    if (with_walls /= between_parcels) strengths = strengths//', '//with_walls//where
+  end function strengths
+
+  !> How strongly a pair attracts.
+  pure function attraction(contact, pair) result(words)
+    type(contact_settings_t), intent(in) :: contact
+    type(pair_t), intent(in) :: pair
+    character(len=:), allocatable :: words
+
+    words = ''
+    if (contact%cohesion == 'van_der_waals') words = brief(pair%hamaker_constant)//' J'
+    if (contact%cohesion == 'linear') words = brief(pair%cohesion_energy)//' J/m3'
+  end function attraction
 
   subroutine describe_one(contact, pair, unit)
     type(contact_settings_t), intent(in) :: contact
@@ -145,6 +171,8 @@ contains
     end if
     words = words//', restitution '//brief(pair%restitution)
     if (pair%friction > 0) words = words//', friction '//brief(pair%friction)
+    if (contact%rolling /= 'none') words = words//', rolling friction '//brief(pair%rolling_friction)
+    if (contact%cohesion /= 'none') words = words//', attraction '//attraction(contact, pair)
   end function properties
 
 end module contact_description

@@ -95,16 +95,21 @@ contains
     character(len=*), parameter :: bond = ', cohesion_scaling = ''bond_number'' /'
     character(len=*), parameter :: ssw = '&parcels weighting = ''ssw'', weight = 27 /'//nl
     type(contact_settings_t) :: contact
+    type(pair_t) :: pair, wall
 
     contact = contact_of(ssw//law//van_der_waals//bond)
-    call expect_close(contact%hamaker_constant, 9.0e-19_wp, 1.0e-12_wp, 'Hamaker''s constant is l^2 times as large')
-    call expect_close(contact%wall_hamaker_constant, 18.0e-19_wp, 1.0e-12_wp, 'and that of walls')
+    pair = pair_of(contact, 0, 0)
+    wall = wall_pair_of(contact, 0, 0)
+    call expect_close(pair%hamaker_constant, 9.0e-19_wp, 1.0e-12_wp, 'Hamaker''s constant is l^2 times as large')
+    call expect_close(wall%hamaker_constant, 18.0e-19_wp, 1.0e-12_wp, 'and that of walls')
     call expect_close(contact%minimum_separation, 1.0e-9_wp, 1.0e-12_wp, 'at equal gaps')
     contact = contact_of(ssw//law//area//bond)
-    call expect_close(contact%cohesion_energy, 3.0_wp**(1.0_wp/3.0_wp)*1.0e4_wp, 1.0e-12_wp, 'an energy l^(1/3) times')
-    call expect_close(contact%wall_cohesion_energy, 3.0_wp**(1.0_wp/3.0_wp)*2.0e4_wp, 1.0e-12_wp, 'and that of walls')
-    contact = contact_of(ssw//law//van_der_waals//' /')
-    call expect_close(contact%hamaker_constant, 1.0e-19_wp, 1.0e-12_wp, 'unless asked for, nothing is scaled')
+    pair = pair_of(contact, 0, 0)
+    wall = wall_pair_of(contact, 0, 0)
+    call expect_close(pair%cohesion_energy, 3.0_wp**(1.0_wp/3.0_wp)*1.0e4_wp, 1.0e-12_wp, 'an energy l^(1/3) times')
+    call expect_close(wall%cohesion_energy, 3.0_wp**(1.0_wp/3.0_wp)*2.0e4_wp, 1.0e-12_wp, 'and that of walls')
+    pair = pair_of(contact_of(ssw//law//van_der_waals//' /'), 0, 0)
+    call expect_close(pair%hamaker_constant, 1.0e-19_wp, 1.0e-12_wp, 'unless asked for, nothing is scaled')
   end subroutine attraction
 
   !> SSW of weight 27 is 3 times as wide; SSP as wide as the cube root of the mean volume makes it.

@@ -398,7 +398,7 @@ contains
                 'and move as one, bit for bit')
   end subroutine equal_materials
 
-  !> Dealing a list makes no difference but rounding: materials that differ in the last digits move as one.
+  !> Dealing a list makes no difference but rounding: materials that differ in the last digits move as one, sticky as they are.
   subroutine dealt_or_not()
     type(contact_settings_t) :: one, several
     type(solids_t) :: alone, together
@@ -408,6 +408,12 @@ contains
     one%stiffness = 1000.0_wp
     one%restitution = 0.8_wp
     one%friction = 0.3_wp
+    one%rolling = 'spring'
+    one%rolling_friction = 0.2_wp
+    one%cohesion = 'van_der_waals'
+    one%hamaker_constant = 1.0e-14_wp
+    one%minimum_separation = 1.0e-7_wp
+    one%maximum_separation = 1.0e-5_wp
     several = one
     several%materials = [material_settings_t(), material_settings_t(stiffness=1000.0_wp*(1 + 2.0e-14_wp)), &
                          material_settings_t(stiffness=1000.0_wp*(1 - 1.0e-14_wp))]

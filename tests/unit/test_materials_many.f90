@@ -1,4 +1,5 @@
-!> Many parcels of three materials: ranks and periodic faces make no difference, a restart none, the order of materials none.
+!> Many parcels of three materials, which differ in springs, friction, rolling and attraction: ranks and periodic faces make no
+!> difference, a restart none, the order of materials none.
 program test_materials_many
   use check, only: expect, finish
   use communicator, only: communicator_t, start_ranks, stop_ranks
@@ -27,7 +28,7 @@ program test_materials_many
 
 contains
 
-  !> Three materials in a given order, one powder of each; the floor is of the second.
+  !> Three materials in a given order, one powder of each; the third attracts nothing but the first.
   function three(friction, order) result(contact)
     real(wp), intent(in) :: friction
     integer, intent(in) :: order(3)
@@ -36,16 +37,24 @@ contains
     type(material_settings_t) :: materials(3)
     integer :: place(3), m
 
-    materials = [material_settings_t(stiffness=200.0_wp, restitution=0.9_wp, friction=friction), &
-                 material_settings_t(stiffness=500.0_wp, restitution=0.4_wp, friction=2*friction), &
-                 material_settings_t(stiffness=300.0_wp, restitution=0.7_wp, friction=0.0_wp)]
+    if (friction > 0) contact%rolling = 'spring'
+    contact%cohesion = 'van_der_waals'
+    contact%minimum_separation = 1.0e-7_wp
+    contact%maximum_separation = 1.0e-5_wp
+    materials = [material_settings_t(stiffness=200.0_wp, restitution=0.9_wp, friction=friction, rolling_friction=0.1_wp, &
+                                     rolling_damping=0.2_wp, hamaker_constant=3.0e-15_wp), &
+                 material_settings_t(stiffness=500.0_wp, restitution=0.4_wp, friction=2*friction, rolling_friction=0.3_wp, &
+                                     hamaker_constant=1.0e-14_wp), &
+                 material_settings_t(stiffness=300.0_wp, restitution=0.7_wp, friction=0.0_wp, rolling_friction=0.0_wp, &
+                                     hamaker_constant=0.0_wp)]
     allocate (contact%materials(3))
     do m = 1, 3
       contact%materials(m) = materials(order(m))
       place(order(m)) = m
     end do
     allocate (contact%pairs(1))
-    contact%pairs(1) = pair_settings_t(materials=[place(3), place(1)], restitution=0.5_wp, friction=friction/2)
+    contact%pairs(1) = pair_settings_t(materials=[place(3), place(1)], restitution=0.5_wp, friction=friction/2, &
+                                       rolling_friction=0.2_wp, hamaker_constant=5.0e-15_wp)
     allocate (contact%powder_material, source=place)
   end function three
 
