@@ -27,6 +27,7 @@ module close_pairs
     logical :: with_angles = .false.      !< whether contacts remember how far they have rolled
     logical :: tight = .false.
     integer :: n = 0
+    integer :: swept = 0                  !< pairs whose forces of this step are known
     integer, allocatable :: entry(:)      !< (n at least) of the list
     integer, allocatable :: i(:), j(:)    !< (n at least) columns of the parcels
     real(wp), allocatable :: slip(:,:)    !< (4, n + lanes at least) 1:3 tangential slip [m], 4 step of last touch
@@ -35,7 +36,8 @@ module close_pairs
   contains
     procedure :: take_all
     procedure :: note_way
-    procedure :: keep_close
+    procedure :: begin_step
+    procedure :: last_of_rows
     procedure :: memory_of
     procedure :: remind
   end type close_pairs_t
@@ -108,8 +110,8 @@ contains
     self%way_left = self%way_left - way
   end subroutine note_way
 
-  !> Choose anew if parcels have gone too far.
-  subroutine keep_close(self, list, state, way, skin, width)
+  !> Nothing is swept yet. Choose anew if parcels have gone too far.
+  subroutine begin_step(self, list, state, way, skin, width)
     class(close_pairs_t), intent(inout) :: self
     type(contact_list_t), intent(in) :: list
     real(wp), intent(in), contiguous :: state(:,:)  !< see parcels
@@ -120,6 +122,7 @@ contains
     real(wp) :: steps, gap
     logical :: tight
 
+    self%swept = 0
     if (self%way_left > 0.0_wp) return
     steps = sqrt(choosing_cost*width/max(2*way, tiny(way)))
     tight = steps > fewest_steps
@@ -128,7 +131,27 @@ contains
     if (tight .or. self%tight) call choose(self, list, state, gap)
     self%tight = tight
     self%way_left = merge(gap/2, patience*way, tight)
-  end subroutine keep_close
+  end subroutine begin_step
+
+  !> The last pair in rows up to the given one.
+  pure function last_of_rows(self, row) result(last)
+    class(close_pairs_t), intent(in) :: self
+    integer, intent(in) :: row
+    integer :: last
+
+    integer :: beyond, middle
+
+    last = self%swept
+    beyond = self%n + 1
+    do while (beyond - last > 1)
+      middle = (last + beyond)/2
+      if (self%i(middle) <= row) then
+        last = middle
+      else
+        beyond = middle
+      end if
+    end do
+  end function last_of_rows
 
   !> The listed pairs with a gap less than `gap` become the close ones and keep their slips.
   subroutine choose(self, list, state, gap)

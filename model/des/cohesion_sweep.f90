@@ -16,17 +16,19 @@ module cohesion_sweep
 
 contains
 
-  !> Add the attraction of all pairs within reach.
-  pure subroutine attract_pairs(cohesion, list, parcels)
+  !> Add the attraction of all pairs within reach, in some rows.
+  pure subroutine attract_pairs(cohesion, list, rows, parcels)
     type(cohesion_t), intent(in) :: cohesion
     type(contact_list_t), intent(in) :: list
+    integer, intent(in) :: rows(2)  !< first and last
     type(parcels_t), intent(inout) :: parcels
 
     real(wp) :: pair(4, block_pairs), near(4, block_pairs), curvature(block_pairs), force(3, block_pairs)
-    integer :: entry(block_pairs), before, count, n, full, m, k
+    integer :: entry(block_pairs), before, count, last, n, full, m, k
 
-    do before = 0, list%entries - 1, block_pairs
-      count = min(list%entries - before, block_pairs)
+    last = list%first(rows(2) + 1) - 1
+    do before = list%first(rows(1)) - 1, last - 1, block_pairs
+      count = min(last - before, block_pairs)
       call find_ways(parcels%state, list, before, count, pair)
       n = 0
       do m = 1, count
@@ -72,7 +74,8 @@ contains
     end do
   end subroutine find_ways
 
-  !> Add the attraction of all walls within reach. Of meshes it is that of the nearest points that contacts have, too.
+  !> Add the attraction of all walls within reach of the parcels `walls` has taken. Of meshes it is that of the nearest points
+  !> that contacts have, too.
   pure subroutine attract_walls(cohesion, chamber, walls, parcels)
     type(cohesion_t), intent(in) :: cohesion
     type(chamber_t), intent(in) :: chamber
@@ -80,13 +83,15 @@ contains
     type(parcels_t), intent(inout) :: parcels
 
     real(wp) :: way(3), distance
-    integer :: w, run
+    integer :: kind, w, run
 
-    do w = 1, walls%kind_end(3)
-      call chamber%approach(walls%face(w), parcels%state(1:3, walls%parcel(w)), way, distance)
-      if (distance > 0.0_wp) call attract(cohesion, walls%parcel(w), way, distance, parcels)
+    do kind = 1, 3
+      do w = walls%first(kind), walls%last(kind)
+        call chamber%approach(walls%face(w), parcels%state(1:3, walls%parcel(w)), way, distance)
+        if (distance > 0.0_wp) call attract(cohesion, walls%parcel(w), way, distance, parcels)
+      end do
     end do
-    do run = 1, walls%runs
+    do run = walls%first(4), walls%last(4)
       if (walls%run_gap(run) > walls%way + cohesion%reach) cycle
       call attract_run(cohesion, chamber, walls, walls%run_range(run), parcels)
     end do

@@ -13,7 +13,7 @@ module contact_parts
   use parcels, only: parcels_t
   implicit none
   private
-  public :: part_t, deal, gathered, sweep_pairs
+  public :: part_t, deal, gathered, begin_pairs, sweep_rows
 
   !> The pairs of one law.
   type :: part_t
@@ -61,20 +61,60 @@ contains
     end do
   end subroutine deal
 
-  !> Add the forces of the pairs of one law.
-  subroutine sweep_pairs(law, list, pairs, lengths, parcels)
-    type(contact_law_t), intent(in) :: law
+  !> A step in which nothing is swept yet.
+  subroutine begin_pairs(list, pairs, parts, state, lengths)
     type(contact_list_t), intent(in) :: list
     type(close_pairs_t), intent(inout) :: pairs
+    type(part_t), intent(inout), allocatable :: parts(:)  !< take the place of list and pairs
+    real(wp), intent(in), contiguous :: state(:,:)        !< see parcels
     real(wp), intent(in) :: lengths(3)  !< way of the fastest parcel in a step, skin, width of a parcel [m]
+
+    integer :: c
+
+    if (.not. allocated(parts)) then
+      call pairs%begin_step(list, state, lengths(1), lengths(2), lengths(3))
+    else
+      do c = 1, size(parts)
+        call parts(c)%pairs%begin_step(parts(c)%list, state, lengths(1), lengths(2), lengths(3))
+      end do
+    end if
+  end subroutine begin_pairs
+
+  !> Add the forces of all pairs in the rows up to `row` that are not swept yet.
+  subroutine sweep_rows(laws, row, pairs, parts, parcels)
+    type(contact_laws_t), intent(in) :: laws
+    integer, intent(in) :: row
+    type(close_pairs_t), intent(inout) :: pairs
+    type(part_t), intent(inout), allocatable :: parts(:)  !< take the place of pairs
     type(parcels_t), intent(inout) :: parcels
 
-    call pairs%keep_close(list, parcels%state, lengths(1), lengths(2), lengths(3))
-    if (parcels%rotation) then
-      call sweep_friction(law, pairs, parcels%state, parcels%force)
+    integer :: c
+
+    if (.not. allocated(parts)) then
+      call sweep_pairs(laws%pair(1), pairs, row, parcels)
     else
-      call sweep_frictionless(law, pairs, parcels%state, parcels%force)
+      do c = 1, size(parts)
+        call sweep_pairs(laws%pair(c), parts(c)%pairs, row, parcels)
+      end do
     end if
+  end subroutine sweep_rows
+
+  !> Add the forces of the pairs of one law, in the rows up to `row` that are not swept yet.
+  subroutine sweep_pairs(law, pairs, row, parcels)
+    type(contact_law_t), intent(in) :: law
+    type(close_pairs_t), intent(inout) :: pairs
+    integer, intent(in) :: row
+    type(parcels_t), intent(inout) :: parcels
+
+    integer :: last
+
+    last = pairs%last_of_rows(row)
+    if (parcels%rotation) then
+      call sweep_friction(law, pairs, last, parcels%state, parcels%force)
+    else
+      call sweep_frictionless(law, pairs, last, parcels%state, parcels%force)
+    end if
+    pairs%swept = last
   end subroutine sweep_pairs
 
   !> The close pairs of all parts, one part after the other; of their entries in the list nothing is known.

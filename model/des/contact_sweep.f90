@@ -1,5 +1,5 @@
-!> One pass over all close pairs: gather a block of them, let the law compute their forces eight at a time, and hand the
-!> forces out.
+!> A pass over close pairs, some rows of them at a time: gather a block of pairs, let the law compute their forces eight at a
+!> time, and hand the forces out.
 !>
 !> Where close pairs are tight the law sees them all, and what it says of pairs that do not touch counts nothing. Else half of
 !> them do not touch, in no order a processor could foresee; so those that do are selected without a branch.
@@ -29,10 +29,11 @@ module contact_sweep
 
 contains
 
-  !> Add the forces and torques of all pairs that touch, with friction.
-  subroutine sweep_friction(law, pairs, state, force)
+  !> Add the forces and torques of the pairs that touch, with friction.
+  subroutine sweep_friction(law, pairs, last, state, force)
     type(contact_law_t), intent(in) :: law
     type(close_pairs_t), intent(inout) :: pairs
+    integer, intent(in) :: last                           !< pair; those up to `pairs%swept` are done
     real(wp), intent(in) :: state(frictional_rows, *)     !< see parcels
     real(wp), intent(inout) :: force(8, *)   !< 1:3 force, 5:7 torque over radius [N]
 
@@ -41,10 +42,10 @@ contains
     real(wp) :: forces(8, block_pairs)
     integer :: next
 
-    next = 1
-    do while (next <= pairs%n)
+    next = pairs%swept + 1
+    do while (next <= last)
       if (pairs%tight) then
-        call take_block(pairs, next, block)
+        call take_block(pairs, next, last, block)
         call gather_pairs(frictional_rows, state, block)
         call gather_spins(state, block, spin)
         if (law%rolling%spring) call gather_angles(law, pairs, next, block, angle)
@@ -54,7 +55,7 @@ contains
         end associate
         next = next + block%n
       else
-        call select_pairs(frictional_rows, state, pairs, next, block)
+        call select_pairs(frictional_rows, state, pairs, next, last, block)
         call gather_pairs(frictional_rows, state, block)
         call gather_spins(state, block, spin)
         call gather_slips(pairs%slip, block, slip)
@@ -153,10 +154,11 @@ contains
     end do
   end subroutine scatter_angles
 
-  !> Add the forces of all pairs that touch, without friction.
-  subroutine sweep_frictionless(law, pairs, state, force)
+  !> Add the forces of the pairs that touch, without friction.
+  subroutine sweep_frictionless(law, pairs, last, state, force)
     type(contact_law_t), intent(in) :: law
     type(close_pairs_t), intent(in) :: pairs
+    integer, intent(in) :: last              !< pair; those up to `pairs%swept` are done
     real(wp), intent(in) :: state(8, *)      !< see parcels
     real(wp), intent(inout) :: force(4, *)   !< 1:3 force [N]
 
@@ -164,13 +166,13 @@ contains
     real(wp) :: curvature(block_pairs), forces(4, block_pairs)
     integer :: next
 
-    next = 1
-    do while (next <= pairs%n)
+    next = pairs%swept + 1
+    do while (next <= last)
       if (pairs%tight) then
-        call take_block(pairs, next, block)
+        call take_block(pairs, next, last, block)
         next = next + block%n
       else
-        call select_pairs(8, state, pairs, next, block)
+        call select_pairs(8, state, pairs, next, last, block)
       end if
       call gather_pairs(8, state, block)
       if (law%hertzian) call gather_curvature(state, block, curvature)
@@ -188,14 +190,14 @@ contains
   end function padded
 
   !> The next pairs as they come.
-  pure subroutine take_block(pairs, next, block)
+  pure subroutine take_block(pairs, next, last, block)
     type(close_pairs_t), intent(in) :: pairs
-    integer, intent(in) :: next
+    integer, intent(in) :: next, last
     type(block_t), intent(inout) :: block
 
     integer :: n
 
-    n = min(pairs%n - next + 1, block_pairs)
+    n = min(last - next + 1, block_pairs)
     block%n = n
     block%i(1:n) = pairs%i(next:next + n - 1)
     block%j(1:n) = pairs%j(next:next + n - 1)
@@ -203,17 +205,18 @@ contains
 
   !> Of the next pairs, a block of them, those that touch. In three passes, of which the first two are vectors: a row of
   !> memory at a time, then a row of pairs.
-  pure subroutine select_pairs(rows, state, pairs, next, block)
+  pure subroutine select_pairs(rows, state, pairs, next, last, block)
     integer, intent(in) :: rows              !< of state
     real(wp), intent(in) :: state(rows, *)
     type(close_pairs_t), intent(in) :: pairs
     integer, intent(inout) :: next           !< pair to go on with
+    integer, intent(in) :: last
     type(block_t), intent(inout) :: block
 
     integer :: m, n, count
     real(wp) :: way(4, block_pairs), gap(block_pairs)
 
-    count = min(pairs%n - next + 1, block_pairs)
+    count = min(last - next + 1, block_pairs)
     call pair_ways(rows, state, count, pairs%i(next:), pairs%j(next:), way)
     !$omp simd
     do m = 1, count

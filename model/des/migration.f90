@@ -1,18 +1,50 @@
 !> Parcels move house: each goes to the rank that owns its place, with everything known of it and the slips of
 !> its contacts.
 module migration
+  use chamber, only: chamber_t
   use communicator, only: communicator_t
   use contact_history, only: history_t
   use kinds, only: wp, i8
-  use parcels, only: parcels_t
+  use parcels, only: parcels_t, mass_row
   use route, only: route_t
+  use tiles, only: tiles_t
   implicit none
   private
-  public :: migrate, nowhere
+  public :: settle_owners
 
   integer, parameter :: nowhere = -1  !< destination of a parcel that has left through an open face
 
 contains
+
+  !> Every parcel to the rank that owns its place; those beyond an open face leave the run. All ranks take part.
+  subroutine settle_owners(comm, tiles, chamber, parcels, history, gone, mass)
+    type(communicator_t), intent(in) :: comm
+    type(tiles_t), intent(in) :: tiles
+    type(chamber_t), intent(in) :: chamber
+    type(parcels_t), intent(inout) :: parcels
+    type(history_t), intent(inout) :: history
+    integer(i8), intent(out) :: gone   !< parcels that have left, on all ranks
+    real(wp), intent(out) :: mass      !< of these [kg]
+
+    integer :: destination(parcels%n), i
+
+    gone = 0
+    mass = 0.0_wp
+    do i = 1, parcels%n
+      associate (x => parcels%state(1:3, i))
+        call tiles%wrap(x)
+        destination(i) = tiles%owner_of(x)
+        if (.not. any((chamber%open(1, :) .and. x < chamber%lower) .or. (chamber%open(2, :) .and. x > chamber%upper))) cycle
+      end associate
+      destination(i) = nowhere
+      gone = gone + 1
+      mass = mass + 1/parcels%state(mass_row, i)
+    end do
+    if (comm%size > 1 .or. gone > 0) call migrate(comm, destination, parcels, history)
+    if (.not. any(chamber%open)) return
+    gone = comm%sum(gone)
+    mass = comm%sum(mass)
+  end subroutine settle_owners
 
   !> Send parcel i to the rank destination(i). All ranks take part. Who stays keeps the order; who comes is
   !> appended.

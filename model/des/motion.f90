@@ -72,44 +72,41 @@ contains
     end do
   end subroutine drift
 
-  !> Kick by force and drive, drift, and forget the forces. `energy`, the sum of the squared speeds, is not a
-  !> number if any velocity is none.
-  pure subroutine kick_and_drift(parcels, gravity, dt, time, fastest, energy)
+  !> Kick by force and drive, drift, and forget the forces. `energy`, to which the squared speeds are added, is not a
+  !> number afterwards if any velocity is none.
+  pure subroutine kick_and_drift(parcels, columns, gravity, times, fastest, energy)
     type(parcels_t), intent(inout) :: parcels
-    real(wp), intent(in) :: gravity(3)  !< the drive where there is no gas to give one [m/s2]
-    real(wp), intent(in) :: dt          !< of the kick [s]
-    real(wp), intent(in) :: time        !< of the drift [s]
-    real(wp), intent(out) :: fastest    !< square of the largest speed [m2/s2]
-    real(wp), intent(out) :: energy     !< [m2/s2]
+    integer, intent(in) :: columns(2)       !< first and last of the parcels
+    real(wp), intent(in) :: gravity(3)      !< the drive where there is no gas to give one [m/s2]
+    real(wp), intent(in) :: times(2)        !< of the kick, of the drift [s]
+    real(wp), intent(inout) :: fastest      !< square of the largest speed so far [m2/s2]
+    real(wp), intent(inout) :: energy       !< [m2/s2]
 
     real(wp) :: drive(coupled_rows, 1)
 
     if (parcels%with_gas) then
-      call move(size(parcels%state, 1), parcels%n, parcels%coupled, 1, [dt, time], parcels%state, parcels%aside, &
-                parcels%force, fastest, energy)
+      call move(size(parcels%state, 1), columns, parcels%coupled, 1, times, parcels%state, parcels%aside, parcels%force, &
+                fastest, energy)
     else
       drive = 0.0_wp
       drive(1:3, 1) = gravity
-      call move(size(parcels%state, 1), parcels%n, drive, 0, [dt, time], parcels%state, parcels%aside, &
-                parcels%force, fastest, energy)
+      call move(size(parcels%state, 1), columns, drive, 0, times, parcels%state, parcels%aside, parcels%force, fastest, energy)
     end if
   end subroutine kick_and_drift
 
   !> The loop itself. Column 1 + (i-1)*stride of `drive` belongs to parcel i.
-  pure subroutine move(rows, n, drive, stride, times, state, aside, force, fastest, energy)
-    integer, intent(in) :: rows, n, stride
+  pure subroutine move(rows, columns, drive, stride, times, state, aside, force, fastest, energy)
+    integer, intent(in) :: rows, columns(2), stride
     real(wp), intent(in) :: drive(coupled_rows, *)      !< 1:3 [m/s2]
     real(wp), intent(in) :: times(2)                    !< of the kick, of the drift [s]
     real(wp), intent(inout) :: state(rows, *), aside(merge(6, 3, rows == frictional_rows), *)
     real(wp), intent(inout) :: force(merge(frictional_force_rows, frictionless_force_rows, rows == frictional_rows), *)
-    real(wp), intent(out) :: fastest, energy
+    real(wp), intent(inout) :: fastest, energy
 
-    real(wp) :: v(3), gain(3), square, per_mass
+    real(wp) :: v(3), spin(3), gain(3), square, per_mass
     integer :: i, column
 
-    fastest = 0.0_wp
-    energy = 0.0_wp
-    do i = 1, n
+    do i = columns(1), columns(2)
       column = 1 + (i - 1)*stride
       per_mass = times(1)*state(8, i)
       gain = per_mass*force(1:3, i) + times(1)*drive(1:3, column)
@@ -119,8 +116,9 @@ contains
       state(1:3, i) = state(1:3, i) + times(2)*v
       if (rows == frictional_rows) then
         gain = per_inertia*per_mass*force(5:7, i)
-        aside(4:6, i) = aside(4:6, i) + gain
-        state(9:11, i) = aside(4:6, i) + 0.5_wp*gain
+        spin = aside(4:6, i) + gain
+        aside(4:6, i) = spin
+        state(9:11, i) = spin + 0.5_wp*gain
         force(5:8, i) = 0.0_wp
       end if
       force(1:4, i) = 0.0_wp

@@ -1,9 +1,9 @@
 !> All parcels of the run and everything they do without gas: contacts, walls, motion, neighbour lists, and the
 !> exchange between ranks.
 !>
-!> A solids step: contact forces, kick, drift; then either a refresh of the ghosts or, once a parcel may have
-!> moved half the skin since the lists were made, new lists. Making them moves parcels to the ranks that own
-!> their places, sorts them in space and gives the contacts their slips back.
+!> A solids step: contact forces, kick, drift, of one stretch of parcels after the other; then either a refresh of the ghosts
+!> or, once a parcel may have moved half the skin since the lists were made, new lists. Making them moves parcels to the ranks
+!> that own their places, sorts them in space and gives the contacts their slips back.
 module solids
   use close_pairs, only: close_pairs_t
   use cohesion_sweep, only: attract_pairs, attract_walls
@@ -11,18 +11,19 @@ module solids
   use contact_history, only: history_t
   use contact_laws, only: contact_laws_t, new_contact_laws
   use contact_list, only: contact_list_t
-  use contact_parts, only: part_t, deal, gathered, sweep_pairs
+  use contact_parts, only: part_t, deal, gathered, begin_pairs, sweep_rows
   use contact_settings, only: contact_settings_t
   use constants, only: pi, is_set
   use des_settings, only: des_settings_t
   use ghosts, only: ghosts_t
   use kinds, only: wp, i8
-  use migration, only: migrate, nowhere
+  use migration, only: settle_owners
   use motion, only: add_lead, take_lead, drift, kick_and_drift, farthest
   use neighbours, only: search_t
   use outcome, only: outcome_t
   use parcel_extremes, only: widen_extremes
   use parcels, only: parcels_t, radius_row, mass_row, curvature_row
+  use read_ahead, only: read_ahead_t, stretch_rows
   use solids_trouble, only: find_trouble, check_period
   use tiles, only: tiles_t, new_tiles
   use chamber, only: chamber_t
@@ -48,6 +49,7 @@ module solids
     type(contact_list_t) :: list
     type(close_pairs_t) :: pairs         !< pairs of the list
     type(part_t), allocatable :: parts(:)  !< with several laws: list and pairs dealt by them, which take the place of `pairs`
+    type(read_ahead_t) :: ahead          !< for the list
     type(wall_list_t) :: walls
     type(ghosts_t) :: ghosts
     type(history_t) :: history           !< slips between two lists
@@ -249,9 +251,8 @@ contains
     call keep_neighbours(self, dt/2, fastest, .true., outcome)
     do step = 1, steps
       if (outcome%failed()) exit
-      call find_forces(self, dt)
       time = merge(dt, dt/2, step < steps)
-      call kick_and_drift(self%parcels, self%chamber%gravity, dt, time, fastest, energy)
+      call push(self, [dt, time], fastest, energy)
       self%time = self%time + dt
       call place_walls(self, time - dt/2)
       call keep_neighbours(self, time, fastest, energy <= huge(1.0_wp) .and. self%walls%through == 0, outcome)
@@ -267,29 +268,48 @@ contains
     if (self%chamber%fastest > 0.0_wp) call self%chamber%move_to(self%time + ahead)
   end subroutine place_walls
 
-  !> Contact forces and torques of this step.
-  subroutine find_forces(self, dt)
+  !> Forces, kick and drift. A pair is in the row of its lower column, so all forces on a parcel are known once the rows up to its
+  !> own are swept: a stretch of parcels moves while it is still in the cache.
+  subroutine push(self, times, fastest, energy)
+    class(solids_t), intent(inout) :: self
+    real(wp), intent(in) :: times(2)          !< of the kick, of the drift [s]
+    real(wp), intent(out) :: fastest, energy  !< see kick_and_drift
+
+    integer :: columns(2)
+
+    call begin_step(self, times(1))
+    fastest = 0.0_wp
+    energy = 0.0_wp
+    columns = 0
+    do while (columns(2) < self%parcels%n)
+      columns = [columns(2) + 1, min(columns(2) + stretch_rows, self%parcels%n)]
+      call self%ahead%read_stretch(columns(1), self%parcels)
+      call find_forces(self, columns)
+      call kick_and_drift(self%parcels, columns, self%chamber%gravity, times, fastest, energy)
+    end do
+  end subroutine push
+
+  subroutine begin_step(self, dt)
     class(solids_t), intent(inout) :: self
     real(wp), intent(in) :: dt  !< [s]
 
-    real(wp) :: lengths(3)
-    integer :: law
-
     self%step = self%step + 1
     call self%laws%set_step(dt, self%step)
-    lengths = [dt*self%speed, self%skin, typical_width(self)]
-    if (.not. allocated(self%parts)) then
-      call sweep_pairs(self%laws%pair(1), self%list, self%pairs, lengths, self%parcels)
-    else
-      do law = 1, size(self%parts)
-        call sweep_pairs(self%laws%pair(law), self%parts(law)%list, self%parts(law)%pairs, lengths, self%parcels)
-      end do
-    end if
-    self%walls%step = self%step
-    self%walls%way = self%travelled + self%chamber%way_since(self%listed_at)
+    call begin_pairs(self%list, self%pairs, self%parts, self%parcels%state, [dt*self%speed, self%skin, typical_width(self)])
+    self%walls%through = 0
+    call self%walls%begin_step(self%step, self%travelled + self%chamber%way_since(self%listed_at))
+  end subroutine begin_step
+
+  !> Contact forces and torques of the pairs in some rows, and of walls on these parcels.
+  subroutine find_forces(self, columns)
+    class(solids_t), intent(inout) :: self
+    integer, intent(in) :: columns(2)  !< first and last
+
+    call sweep_rows(self%laws, columns(2), self%pairs, self%parts, self%parcels)
+    call self%walls%take_parcels(columns(2))
     call self%walls%sweep(self%chamber, self%laws, self%parcels)
     associate (pair => self%laws%pair(1)%cohesion)  ! the same of all
-      if (pair%on) call attract_pairs(pair, self%list, self%parcels)
+      if (pair%on) call attract_pairs(pair, self%list, columns, self%parcels)
     end associate
     if (size(self%laws%wall) == 0) return
     associate (wall => self%laws%wall(1)%cohesion)
@@ -367,12 +387,16 @@ contains
     type(outcome_t), intent(inout) :: outcome
 
     integer, allocatable :: order(:), place(:)
+    integer(i8) :: gone
     integer :: i
+    real(wp) :: mass
 
     call check_period(self%chamber, self%range, outcome)
     call find_trouble(self%comm, self%chamber, self%parcels, self%time, outcome)
     if (outcome%failed()) return
-    call settle_owners(self)
+    call settle_owners(self%comm, self%tiles, self%chamber, self%parcels, self%history, gone, mass)
+    self%left = self%left + gone
+    self%mass_left = self%mass_left + mass
     allocate (order(self%parcels%n), place(self%parcels%n))
     call self%search%sort_own(self%parcels, self%skin + self%reach, order)
     call self%parcels%reorder(order)
@@ -380,6 +404,7 @@ contains
     call self%history%follow(place)
     call self%ghosts%invite(self%tiles, self%range, self%parcels, with_powder=allocated(self%parts))
     call self%search%build(self%parcels, self%skin + self%reach, self%list)
+    call self%ahead%note(self%list, self%parcels)
     call self%pairs%take_all(self%list)
     call self%walls%build(self%chamber, self%parcels, 0.5_wp*self%skin + self%reach)
     if (self%parcels%rotation) call self%history%restore(self%list, self%pairs, self%walls, self%parcels, self%step)
@@ -388,34 +413,6 @@ contains
     end if
     self%rebuilds = self%rebuilds + 1
   end subroutine make_lists
-
-  !> Every parcel to the rank that owns its place; those beyond an open face leave the run.
-  subroutine settle_owners(self)
-    class(solids_t), intent(inout) :: self
-
-    integer :: destination(self%parcels%n), i
-    integer(i8) :: gone
-    real(wp) :: mass
-
-    gone = 0
-    mass = 0.0_wp
-    do i = 1, self%parcels%n
-      associate (x => self%parcels%state(1:3, i), v => self%chamber)
-        call self%tiles%wrap(x)
-        destination(i) = self%tiles%owner_of(x)
-        if (any((v%open(1, :) .and. x < v%lower) .or. (v%open(2, :) .and. x > v%upper))) then
-          destination(i) = nowhere
-          gone = gone + 1
-          mass = mass + 1/self%parcels%state(mass_row, i)
-        end if
-      end associate
-    end do
-    if (any(self%chamber%open)) then
-      self%left = self%left + self%comm%sum(gone)
-      self%mass_left = self%mass_left + self%comm%sum(mass)
-    end if
-    if (self%comm%size > 1 .or. gone > 0) call migrate(self%comm, destination, self%parcels, self%history)
-  end subroutine settle_owners
 
   !> Deal the tiles out anew if the work, parcels and their contacts, is too unevenly spread. `changed` tells
   !> whether parcels have moved house. The balance is looked at once for every making of lists.

@@ -1,4 +1,5 @@
-!> What is kept of parcels near walls: which wall it is, and what a contact with it remembers.
+!> What is kept of parcels near walls: which wall it is, and what a contact with it remembers. First those near faces of the
+!> chamber, then near planes, then shells, then triangles; each ordered by column, so that a step takes some parcels after others.
 module wall_entries
   use chamber, only: chamber_t
   use kinds, only: wp
@@ -10,6 +11,10 @@ module wall_entries
     logical :: with_history = .false.
     logical :: with_angles = .false.      !< whether contacts remember how far they have rolled
     integer :: entries = 0
+    integer :: kind_end(4) = 0            !< last entry of faces, of planes, of shells, of triangles
+    integer :: first(4) = 1, last(4) = 0  !< entries of faces, of planes, of shells, and runs, that were taken last
+    real(wp) :: step = 0.0_wp             !< number of this step
+    real(wp) :: way = 0.0_wp              !< that a parcel and a mesh may have gone since the list was made, together [m]
     integer, allocatable :: parcel(:)     !< (entries) column
     integer, allocatable :: face(:)       !< (entries) see chamber
     integer, allocatable :: image(:)      !< (entries) in a periodic chamber: which image of the parcel is near the triangle
@@ -19,6 +24,8 @@ module wall_entries
     integer, allocatable :: run_first(:)  !< (runs + 1 at least) first entry of each
     real(wp), allocatable :: run_gap(:)   !< (runs at least) between parcel and mesh when the list was made [m]
   contains
+    procedure :: begin_step
+    procedure :: take_parcels
     procedure :: begin_runs
     procedure :: end_run
     procedure :: run_range
@@ -27,6 +34,37 @@ module wall_entries
   end type wall_entries_t
 
 contains
+
+  !> A step in which nothing is taken yet.
+  pure subroutine begin_step(self, step, way)
+    class(wall_entries_t), intent(inout) :: self
+    real(wp), intent(in) :: step  !< number
+    real(wp), intent(in) :: way   !< that a parcel and a mesh may have gone since the list was made, together [m]
+
+    self%step = step
+    self%way = way
+    self%last = [0, self%kind_end(1:2), 0]
+  end subroutine begin_step
+
+  !> Take what there is of the parcels up to a column that were not taken yet.
+  pure subroutine take_parcels(self, column)
+    class(wall_entries_t), intent(inout) :: self
+    integer, intent(in) :: column
+
+    integer :: kind
+
+    self%first = self%last + 1
+    do kind = 1, 3
+      do while (self%last(kind) < self%kind_end(kind))
+        if (self%parcel(self%last(kind) + 1) > column) exit
+        self%last(kind) = self%last(kind) + 1
+      end do
+    end do
+    do while (self%last(4) < self%runs)
+      if (self%parcel(self%run_first(self%last(4) + 1)) > column) exit
+      self%last(4) = self%last(4) + 1
+    end do
+  end subroutine take_parcels
 
   !> No run yet; the first begins behind an entry.
   subroutine begin_runs(self, last)

@@ -23,13 +23,9 @@ module walls
 
   integer, parameter :: block_pairs = 64  !< contacts given to the law at a time
 
-  !> Parcels that touch a wall or may do so before the list is made again: first those of the faces, then of planes, then of
-  !> shells, each ordered by column, then of one mesh after the other.
+  !> Parcels that touch a wall or may do so before the list is made again.
   type, extends(wall_entries_t) :: wall_list_t
-    integer :: kind_end(4) = 0            !< last entry of faces, of planes, of shells, of triangles
-    real(wp) :: step = 0.0_wp             !< number of this step
-    integer :: through = 0                !< column of a parcel that is beyond a wall, 0 if there is none
-    real(wp) :: way = 0.0_wp              !< that a parcel and a mesh may have gone since, together [m]
+    integer :: through = 0  !< column of a parcel that is beyond a wall in this step, 0 if there is none
   contains
     procedure :: build
     procedure :: sweep
@@ -132,25 +128,27 @@ contains
     type(parcels_t), intent(in) :: parcels
     real(wp), intent(in) :: margin  !< [m]
 
-    integer, allocatable :: last(:), near(:), old(:)
+    integer, allocatable :: stamp(:), near(:), old(:)
     integer :: images(8), n_images, m, i, k, n, e, looks
     real(wp) :: reach, nearest
 
     allocate (near(64))
     call self%begin_runs(self%kind_end(4))
     if (any(chamber%periodic) .and. .not. allocated(self%image)) allocate (self%image(0))
-    do m = 1, chamber%n_meshes
-      associate (wall => chamber%meshes(m))
-        allocate (last(wall%n), source=0)
-        looks = 0
-        do i = 1, parcels%n
+    associate (last => chamber%meshes(chamber%n_meshes))
+      allocate (stamp(last%before + last%n), source=0)
+    end associate
+    looks = 0
+    do i = 1, parcels%n
+      do m = 1, chamber%n_meshes
+        associate (wall => chamber%meshes(m))
           reach = parcels%state(4, i) + margin*merge(2, 1, wall%moves)
           call chamber%find_images(parcels%state(1:3, i), reach, images, n_images)
           nearest = reach
           do k = 1, n_images
             looks = looks + 1
-            call wall%list_near([wall%seen(parcels%state(1:3, i) + chamber%shift(images(k))), reach], looks, last, near, n, &
-                                nearest)
+            call wall%list_near([wall%seen(parcels%state(1:3, i) + chamber%shift(images(k))), reach], looks, &
+                                stamp(wall%before + 1:wall%before + wall%n), near, n, nearest)
             do e = 1, n
               call add_entry(self, 4, i, chamber%first_triangle() - 1 + wall%before + near(e))
               if (.not. any(chamber%periodic)) cycle
@@ -163,20 +161,18 @@ contains
             end do
           end do
           call self%end_run(self%kind_end(4), nearest - parcels%state(4, i))
-        end do
-        deallocate (last)
-      end associate
+        end associate
+      end do
     end do
   end subroutine add_triangles
 
-  !> Add the forces and torques of all walls.
+  !> Add the forces and torques of all walls on the parcels taken.
   pure subroutine sweep(self, chamber, laws, parcels)
     class(wall_list_t), intent(inout) :: self
     type(chamber_t), intent(in) :: chamber
     type(contact_laws_t), intent(in) :: laws
     type(parcels_t), intent(inout) :: parcels
 
-    self%through = 0
     call sweep_faces(self, chamber, laws, parcels)
     if (chamber%n_planes > 0) call sweep_planes(self, chamber, laws, parcels)
     if (chamber%n_shells > 0) call sweep_shells(self, chamber, laws, parcels)
@@ -193,7 +189,7 @@ contains
     integer :: touching(block_pairs), n, w
 
     n = 0
-    do w = 1, self%kind_end(1)
+    do w = self%first(1), self%last(1)
       associate (s => parcels%state(1:8, self%parcel(w)), face => self%face(w))
         d = chamber%distance(face, s(1:3))
         if (.not. d > 0.0_wp) then
@@ -223,7 +219,7 @@ contains
     integer :: touching(block_pairs), n, w
 
     n = 0
-    do w = self%kind_end(1) + 1, self%kind_end(2)
+    do w = self%first(2), self%last(2)
       associate (s => parcels%state(1:8, self%parcel(w)), plane => chamber%planes(self%face(w) - n_faces))
         d = plane%distance(s(1:3))
         if (.not. d > 0.0_wp) then
@@ -254,7 +250,7 @@ contains
     integer :: touching(block_pairs), n, w, m
 
     n = 0
-    do w = self%kind_end(2) + 1, self%kind_end(3)
+    do w = self%first(3), self%last(3)
       m = self%face(w) - n_faces - chamber%n_planes
       associate (s => parcels%state(1:8, self%parcel(w)), shell => chamber%shells(m))
         call chamber%approach_shell(m, s(1:3), way, d)
@@ -286,7 +282,7 @@ contains
     integer :: touching(block_pairs), n, run
 
     n = 0
-    do run = 1, self%runs
+    do run = self%first(4), self%last(4)
       if (self%run_gap(run) > self%way) cycle
       call sweep_run(self, chamber, laws, parcels, self%run_range(run), touching, n, pair)
     end do
