@@ -138,6 +138,10 @@ bench-peers: venv
 	@$(MAKE) --no-print-directory -s bench_programs
 	@$(VENV)/bin/python tests/bench/peers.py $(B) build/bench_peers.json
 
+bench-off: venv
+	@$(MAKE) --no-print-directory -s bench_programs
+	@$(VENV)/bin/python tests/bench/off.py $(B) build/bench_off.json $(MAKE)
+
 bench_programs: $(BENCHES)
 
 clean:
@@ -146,8 +150,8 @@ clean:
 help:
 	@sh src/build/help.sh
 
-.PHONY: build build/geldart unit deps venv run compare validate test lint verify verify_programs bench bench-peers bench_programs clean help always
+.PHONY: build build/geldart unit deps venv run compare validate test lint verify verify_programs bench bench-peers bench-off bench_programs clean help always
 .SECONDARY:
-ifneq (,$(filter-out deps venv run compare validate test lint verify bench bench-peers clean help,$(or $(MAKECMDGOALS),build)))
+ifneq (,$(filter-out deps venv run compare validate test lint verify bench bench-peers bench-off clean help,$(or $(MAKECMDGOALS),build)))
 include $(B)/deps.mk
 endif

@@ -12,6 +12,7 @@ make validate      every validate.py of cases/: physics against what it must be
 make verify        verification: fill tests/verification/checks.csv, make tables and pictures of doc/verification.md
 make bench         measure speeds into build/bench.json
 make bench-peers   time the contact loop in turn with LAMMPS and LIGGGHTS, where these are installed
+make bench-off     what the code of rolling resistance and attraction costs a bed that has neither
 make clean         remove build/
 
 Variables (on the command line, or in a file config.mk beside the Makefile):

@@ -4,6 +4,8 @@
 !>   W2  the same of 200 000, on 100 x 100 mm
 !>   W3  the same of 50 000, log-normal by number between 0.5 and 2 mm
 !>   W4  granular gas of 50 000 spheres of 1 mm, solids 0.05, in a box with walls
+!>   wide  50 000 of diameters from 1 to 10, each factor between with the same volume, that fill as much as those of W1; packed,
+!>         then settled with little friction, so that they have as many contacts; in turn with W1
 !>   frictionless, hertz, rolling, cohesion  W1 with other laws; still: W1 of springs alone
 !>
 !> usage: bench_contacts [folder [workload [steps]]]. All workloads if none is named, W2 on more than one rank. Beds are kept in
@@ -19,6 +21,7 @@ program bench_contacts
   use, intrinsic :: iso_fortran_env, only: int64
   use kinds, only: wp, i8
   use outcome, only: outcome_t
+  use powders, only: equal_volumes, log_normal, packed
   use solids, only: solids_t
   implicit none
 
@@ -33,9 +36,21 @@ program bench_contacts
     type(contact_settings_t) :: contact
   end type bed_t
 
+  !> A workload on its way.
+  type :: run_t
+    type(bed_t) :: bed
+    type(solids_t) :: solids
+    real(wp) :: dt = 0.0_wp                   !< [s]
+    integer :: blocks = 0                     !< done
+    real(wp) :: contacts = 0.0_wp             !< per parcel, sum over blocks
+    real(wp) :: last = 0.0_wp                 !< wall time of the last block [s]
+    real(wp) :: making = 0.0_wp, total = 0.0_wp  !< of making lists, of all [s]
+  end type run_t
+
+  integer, parameter :: block = 200           !< steps
   real(wp), parameter :: density = 2500.0_wp, weight_of_gravity = 9.81_wp
-  character(len=16), parameter :: all_names(9) = [character(len=16) :: 'W1', 'W2', 'W3', 'W4', 'frictionless', 'hertz', &
-    'rolling', 'cohesion', 'still']
+  character(len=16), parameter :: all_names(10) = [character(len=16) :: 'W1', 'W2', 'W3', 'W4', 'wide', 'frictionless', &
+    'hertz', 'rolling', 'cohesion', 'still']
   type(communicator_t) :: comm
   character(len=16) :: name
   character(len=256) :: folder
@@ -72,6 +87,9 @@ contains
 
     call make(workload, bed)
     select case (workload)
+    case ('wide')
+      call time_in_turn(bed)
+      return
     case ('frictionless')
       bed%contact%friction = 0.0_wp
     case ('still')
@@ -134,27 +152,11 @@ contains
       bed%diameter(k) = 1.0e-3_wp
       if (workload == 'W3') bed%diameter(k) = log_normal(modulo(k*0.6180339887498949_wp, 1.0_wp))
     end do
+    if (workload == 'wide') then
+      bed%diameter = equal_volumes(bed%n, 10.0_wp)
+      bed%contact%friction = 0.03_wp
+    end if
   end function new_bed
-
-  !> A diameter of the log-normal distribution with median 1 mm and spread 0.35, clipped to [0.5, 2] mm, at a quantile [m].
-  pure function log_normal(quantile) result(diameter)
-    real(wp), intent(in) :: quantile
-    real(wp) :: diameter
-
-    real(wp) :: low, high
-    integer :: k
-
-    low = log(0.5_wp)
-    high = log(2.0_wp)
-    do k = 1, 40
-      if (erf((low + high)/2/0.35_wp/sqrt(2.0_wp)) < (2*quantile - 1)*erf(log(2.0_wp)/0.35_wp/sqrt(2.0_wp))) then
-        low = (low + high)/2
-      else
-        high = (low + high)/2
-      end if
-    end do
-    diameter = 1.0e-3_wp*exp(low)
-  end function log_normal
 
   !> A bed at rest or the gas, from its file or made.
   recursive subroutine make(workload, bed)
@@ -166,7 +168,7 @@ contains
     character(len=300) :: file, message
 
     bed = new_bed(workload)
-    file = trim(folder)//'/'//merge('W1', workload(1:2), workload(1:1) /= 'W')//'.bed'
+    file = trim(folder)//'/'//trim(name_of_bed(workload))//'.bed'
     open (newunit=unit, file=file, access='stream', form='unformatted', status='old', action='read', iostat=status, iomsg=message)
     if (len_trim(folder) > 0 .and. status == 0) then
       read (unit) bed%x, bed%diameter
@@ -178,10 +180,11 @@ contains
       bed%x = mirrored(mirrored(part%x, 1, part%box(1)), 2, part%box(2))
       call settle(bed, stiffness=200.0_wp, time=0.01_wp)
     else if (.not. bed%gas) then
+      if (workload == 'wide') bed%x = packed(bed%diameter, bed%box)
       if (workload == 'W3') then
         call settle(bed, stiffness=60.0_wp, time=0.12_wp, pull=5.0_wp)
       else
-        call settle(bed, stiffness=20.0_wp, time=0.2_wp)
+        call settle(bed, stiffness=20.0_wp, time=merge(0.12_wp, 0.2_wp, workload == 'wide'))
       end if
       call settle(bed, stiffness=60.0_wp, time=0.02_wp)
       call settle(bed, stiffness=200.0_wp, time=0.04_wp)
@@ -191,6 +194,15 @@ contains
     write (unit) bed%x, bed%diameter
     close (unit)
   end subroutine make
+
+  !> Where a workload has no bed of its own, that of W1.
+  pure function name_of_bed(workload) result(name)
+    character(len=*), intent(in) :: workload
+    character(len=16) :: name
+
+    name = workload
+    if (all(workload /= [character(len=16) :: 'W2', 'W3', 'W4', 'wide'])) name = 'W1'
+  end function name_of_bed
 
   !> Places and their images behind a wall at the far end of an axis.
   pure function mirrored(x, axis, wall) result(both)
@@ -261,42 +273,93 @@ contains
       ' m, largest speed [m/s] ', sqrt(maxval(sum(solids%parcels%state(5:7, 1:solids%parcels%n)**2, 1)))
   end subroutine settle
 
-  !> The loop in blocks of 200 steps, each followed by new lists; the two timed apart.
+  !> The loop in blocks of 200 steps, each followed by new lists.
   subroutine time_loop(bed)
     type(bed_t), intent(in) :: bed
 
-    integer, parameter :: block = 200, part = 20
-    type(solids_t) :: solids
-    type(outcome_t) :: outcome
-    integer :: k, made, blocks
-    logical :: changed
-    real(wp) :: dt, stepping, making, before, parcel_steps
+    type(run_t) :: run
+    integer :: k
 
-    call start(bed, bed%contact, solids)
-    dt = 0.4_wp*solids%time_step_limit()
-    call solids%advance(merge(3000, 100, bed%gas), dt, outcome)
-    call solids%rebalance(changed, outcome)
-    stepping = 0
-    making = 0
-    blocks = max(1, steps/block)
-    do made = 1, blocks
-      before = clock()
-      do k = 1, block/part
-        if (.not. bed%gas) solids%chamber%gravity(3) = -weight_of_gravity*(1 + 0.5_wp*sin(2*pi*50*solids%time))
-        call solids%advance(part, dt, outcome)
-      end do
-      stepping = stepping + clock() - before
-      before = clock()
-      call solids%renew_lists(outcome)
-      making = making + clock() - before
+    call warm_up(bed, run)
+    do k = 1, max(1, steps/block)
+      call go_on(run)
     end do
-    if (outcome%failed()) call fail(outcome)
-    parcel_steps = real(bed%n, wp)*blocks*block
-    call report(bed, 'rate', parcel_steps/(stepping + making), 'parcel-steps/s')
-    call report(bed, 'list', making/bed%n/blocks*1e6_wp, 'us/parcel')
-    call report(bed, 'memory', comm%sum(real(bytes(solids), wp))/bed%n, 'bytes/parcel')
-    call report(bed, 'contacts', 2*comm%sum(real(touching(solids), wp))/bed%n, 'per_parcel')
+    call report_run(run)
   end subroutine time_loop
+
+  !> Block after block in turn with W1. The cost of a parcel and step over that of W1 is the median of the ratios of blocks.
+  subroutine time_in_turn(bed)
+    type(bed_t), intent(in) :: bed
+
+    type(bed_t) :: equals
+    type(run_t) :: run, single
+    real(wp) :: ratio(max(1, steps/block))
+    integer :: k
+
+    call make('W1', equals)
+    call warm_up(bed, run)
+    call warm_up(equals, single)
+    do k = 1, size(ratio)
+      call go_on(run)
+      call go_on(single)
+      ratio(k) = (run%last/bed%n)/(single%last/equals%n)
+    end do
+    call report_run(run)
+    call report(bed, 'W1_contacts', single%contacts/single%blocks, 'per_parcel')
+    call report(bed, 'cost', median(ratio), 'of_W1')
+  end subroutine time_in_turn
+
+  subroutine warm_up(bed, run)
+    type(bed_t), intent(in) :: bed
+    type(run_t), intent(out) :: run
+
+    type(outcome_t) :: outcome
+    logical :: changed
+
+    run%bed = bed
+    call start(bed, bed%contact, run%solids)
+    run%dt = 0.4_wp*run%solids%time_step_limit()
+    call run%solids%advance(merge(3000, 100, bed%gas), run%dt, outcome)
+    call run%solids%rebalance(changed, outcome)
+    if (outcome%failed()) call fail(outcome)
+  end subroutine warm_up
+
+  !> A block of steps and the making of lists, timed apart.
+  subroutine go_on(run)
+    type(run_t), intent(inout) :: run
+
+    integer, parameter :: part = 20
+    type(outcome_t) :: outcome
+    integer :: k
+    real(wp) :: begin, between, end
+
+    begin = clock()
+    do k = 1, block/part
+      if (.not. run%bed%gas) run%solids%chamber%gravity(3) = -weight_of_gravity*(1 + 0.5_wp*sin(2*pi*50*run%solids%time))
+      call run%solids%advance(part, run%dt, outcome)
+    end do
+    between = clock()
+    call run%solids%renew_lists(outcome)
+    end = clock()
+    if (outcome%failed()) call fail(outcome)
+    run%contacts = run%contacts + 2*comm%sum(touching(run%solids))/run%bed%n
+    run%last = end - begin
+    run%making = run%making + end - between
+    run%total = run%total + run%last
+    run%blocks = run%blocks + 1
+  end subroutine go_on
+
+  subroutine report_run(run)
+    type(run_t), intent(in) :: run
+
+    associate (bed => run%bed, solids => run%solids)
+      call report(bed, 'rate', real(bed%n, wp)*block*run%blocks/run%total, 'parcel-steps/s')
+      call report(bed, 'list', run%making/bed%n/run%blocks*1e6_wp, 'us/parcel')
+      call report(bed, 'memory', comm%sum(real(bytes(solids), wp))/bed%n, 'bytes/parcel')
+      call report(bed, 'ghost', 8*real(size(solids%parcels%state, 1), wp), 'bytes/step')
+      call report(bed, 'contacts', run%contacts/run%blocks, 'per_parcel')
+    end associate
+  end subroutine report_run
 
   !> Places after 100 steps from rest, by id, into the folder.
   subroutine follow(bed)
@@ -347,6 +410,20 @@ contains
       end associate
     end do
   end function touching
+
+  pure function median(values)
+    real(wp), intent(in) :: values(:)
+    real(wp) :: median
+
+    real(wp) :: rank(size(values))
+    integer :: k
+
+    ! The value below which half of the others lie, equals counted half.
+    do k = 1, size(values)
+      rank(k) = count(values < values(k)) + 0.5_wp*count(values <= values(k) .and. values >= values(k))
+    end do
+    median = values(minloc(abs(rank - 0.5_wp*size(values)), 1))
+  end function median
 
   !> [s]
   function clock() result(now)
