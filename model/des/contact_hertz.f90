@@ -216,7 +216,7 @@ contains
       s = 2*law%modulus*sqrt(delta/curvature(k))
       gamma_n = law%damping*sqrt(s/pair(8, k))/(1 + excess*s*pair(8, k))
       v_n = (pair(5, k)*pair(1, k) + pair(6, k)*pair(2, k) + pair(7, k)*pair(3, k))*per_d
-      f_n = merge(((2.0_wp/3.0_wp)*s*delta - gamma_n*v_n)*per_d, 0.0_wp, square < pair(4, k)*pair(4, k))
+      f_n = merge(1.0_wp, 0.0_wp, square < pair(4, k)*pair(4, k))*((2.0_wp/3.0_wp)*s*delta - gamma_n*v_n)*per_d
       forces(k, 1) = pair(1, k)*f_n
       forces(k, 2) = pair(2, k)*f_n
       forces(k, 3) = pair(3, k)*f_n

@@ -253,7 +253,7 @@ contains
       way = law%dt*merge(next, -v_n, next > -v_n)
       part = delta/max(merge(way, delta, way > delta), tiny(way))
       gamma_n = gamma_n*(part + merge(0.5_wp, 0.0_wp, part < 1.0_wp))
-      f_n = merge((push - gamma_n*v_n)*per_d, 0.0_wp, square < pair(4, k)*pair(4, k))
+      f_n = merge(1.0_wp, 0.0_wp, square < pair(4, k)*pair(4, k))*(push - gamma_n*v_n)*per_d
       forces(k, 1) = pair(1, k)*f_n
       forces(k, 2) = pair(2, k)*f_n
       forces(k, 3) = pair(3, k)*f_n

@@ -9,7 +9,7 @@ module des_scenes
   use solids, only: solids_t
   implicit none
   private
-  public :: scene, put, cloud, place_of, run, random
+  public :: scene, put, cloud, place_of, run, random, softened
 
 contains
 
@@ -106,5 +106,13 @@ contains
     call solids%advance(steps, dt, outcome)
     if (outcome%failed()) print '(2a)', 'FAIL the run ended: ', outcome%message
   end subroutine run
+
+  !> Stiffness of a linear spring as steps of dt make it [N/m]: see contact_linear.
+  pure function softened(k, mass, dt)
+    real(wp), intent(in) :: k, mass, dt  !< [N/m], effective [kg], [s]
+    real(wp) :: softened
+
+    softened = k*(1 - k*dt**2/(12*mass))
+  end function softened
 
 end module des_scenes

@@ -5,7 +5,7 @@ program test_mesh
   use communicator, only: communicator_t, start_ranks, stop_ranks
   use constants, only: pi
   use contact_settings, only: contact_settings_t
-  use des_scenes, only: put, run, cloud
+  use des_scenes, only: put, run, cloud, softened
   use kinds, only: wp
   use mesh_scenes, only: mesh_room, mesh, sheet, box, ball, drum, turned
   use outcome, only: outcome_t, exit_failed
@@ -160,7 +160,7 @@ contains
     real(wp), intent(in) :: angle
 
     real(wp), parameter :: radius = 1.0e-3_wp, k = 1.0e4_wp, up(3) = [0.0_wp, 0.0_wp, 1.0_wp]
-    real(wp) :: along(3), out(3), bottom(3), side(3, 2), height
+    real(wp) :: along(3), out(3), bottom(3), side(3, 2), height, dt, soft
     real(wp), allocatable :: triangles(:,:,:)
     type(solids_t) :: lump
     type(statistics_t) :: s
@@ -175,13 +175,15 @@ contains
       triangles = reshape([triangles, sheet(bottom, along, side(:, m), [6, 4], 0.5_wp)], [3, 3, size(triangles, 3) + 48])
     end do
     lump = mesh_room(comm, 0.04_wp, -g*up, material(k, 0.3_wp, 0.0_wp), [mesh()], [new_surface(triangles)])
-    height = (radius - mass_of(2*radius)*g/(2*sin(0.5_wp*angle)*k))/sin(0.5_wp*angle)
-    call put(lump, column(bottom + 0.43_wp*along + (height + 1.0e-6_wp)*up), column(0*up), [2*radius])
-    call run(lump, 20000, lump%time_step_limit())
+    call put(lump, column(bottom + 0.43_wp*along + radius/sin(0.5_wp*angle)*up), column(0*up), [2*radius])
+    dt = lump%time_step_limit()
+    soft = softened(k, mass_of(2*radius), dt)
+    height = (radius - mass_of(2*radius)*g/(2*sin(0.5_wp*angle)*soft))/sin(0.5_wp*angle)
+    call run(lump, 20000, dt)
     s = find_statistics(lump)
     call expect(s%wall_contacts == 2, 'a ball in a groove touches both sides')
     call expect_close(lump%parcels%state(3, 1) - bottom(3), height, 1.0e-9_wp, 'and rests where they bear it')
-    call expect_close(radius*s%max_overlap*k, mass_of(2*radius)*g/(2*sin(0.5_wp*angle)), 1.0e-4_wp, 'with m g/(2 sin) on each')
+    call expect_close(radius*s%max_overlap*soft, mass_of(2*radius)*g/(2*sin(0.5_wp*angle)), 1.0e-4_wp, 'with m g/(2 sin) on each')
   end subroutine groove
 
   !> A ball that falls on the ridge of a roof bounces off along the way from the ridge.
@@ -237,6 +239,7 @@ contains
     real(wp), parameter :: centre(3) = [0.02_wp, 0.02_wp, 0.02_wp], wide = 0.008_wp
     type(solids_t) :: swarm
     type(statistics_t) :: before, after
+    real(wp) :: most
     real(wp), allocatable :: x(:,:), v(:,:), diameter(:), triangles(:,:,:)
     real(wp) :: farthest
     integer :: i
@@ -251,12 +254,16 @@ contains
     call cloud(200, centre - 3.1e-3_wp, 1.05e-3_wp, [6, 6], x, v, diameter)
     call put(swarm, x, v, 0.8_wp*diameter)
     before = find_statistics(swarm)
-    call run(swarm, 20000, swarm%time_step_limit())
-    after = find_statistics(swarm)
+    most = 0.0_wp
+    do i = 1, 10
+      call run(swarm, 2000, swarm%time_step_limit())
+      after = find_statistics(swarm)
+      most = max(most, after%kinetic_energy)
+    end do
     farthest = maxval([(norm2(swarm%parcels%state(1:3, i) - centre), i=1, swarm%parcels%n)])
     call expect(after%parcels == 200 .and. farthest < merge(sqrt(3.0_wp)*0.75_wp, 1.0_wp, kind == 'box')*wide, &
                 'a closed '//trim(kind)//' loses no parcel')
-    call expect_close(after%kinetic_energy, before%kinetic_energy, 1.0e-2_wp, 'and keeps their energy')
+    call expect_close(most, before%kinetic_energy, 2.0e-3_wp, 'and keeps their energy, which springs have but for moments')
   end subroutine closed_vessel
 
   pure function rotation() result(matrix)
