@@ -50,8 +50,8 @@ contains
     real(wp), intent(in) :: restitution, solids_fraction     !< [-]
     real(wp), intent(in) :: t_star, stress_star, p_star      !< expected [-]
 
-    real(wp), parameter :: forgotten = 5.0_wp, strain = 15.0_wp
-    integer, parameter :: samples = 300, often = 4
+    real(wp), parameter :: forgotten = 5.0_wp, strain = 45.0_wp
+    integer, parameter :: samples = 750, often = 4
     type(shear_t) :: gas
     real(wp) :: dt, now(3), mean(3)
     integer :: sample, steps, step, taken
