@@ -1,8 +1,8 @@
 !> A pass over close pairs, some rows of them at a time: gather a block of pairs, let the law compute their forces eight at a
 !> time, and hand the forces out.
 !>
-!> Where close pairs are tight the law sees them all, and what it says of pairs that do not touch counts nothing. Else half of
-!> them do not touch, in no order a processor could foresee; so those that do are selected without a branch.
+!> Where close pairs are tight the law sees them all, and gives no force to those that do not touch. Else half of them do not
+!> touch, in no order a processor could foresee; so those that do are selected without a branch.
 module contact_sweep
   use close_pairs, only: close_pairs_t, pair_ways
   use contact_lanes, only: lanes
@@ -139,7 +139,7 @@ contains
     type(contact_law_t), intent(in) :: law
     type(close_pairs_t), intent(in) :: pairs
     integer, intent(in) :: last              !< pair; those up to `pairs%swept` are done
-    real(wp), intent(in) :: state(8, *)      !< see parcels
+    real(wp), intent(in) :: state(frictionless_rows, *)  !< see parcels
     real(wp), intent(inout) :: force(4, *)   !< 1:3 force [N]
 
     integer :: i(block_pairs), j(block_pairs), k(block_pairs), first, next, n

@@ -15,7 +15,7 @@ module read_ahead
   type :: read_ahead_t
     integer, allocatable, private :: column(:)   !< of one stretch after the other, ascending in each
     integer, allocatable, private :: last(:)     !< (0:stretches) place in `column` where each ends
-    real(wp), private :: largest = 0.0_wp        !< of all that was read, which is read for its sake
+    real(wp), private :: largest = 0.0_wp        !< of all that was read; kept, or compilers would leave the reading out
   contains
     procedure :: note
     procedure :: read_stretch
