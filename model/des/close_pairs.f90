@@ -5,12 +5,13 @@
 !> `tight`. The gap is the one that makes choosing and the forces of pairs apart cheapest together. Where parcels are so fast
 !> that choosing would not pay, all listed pairs are close, and those that touch are selected step by step.
 !>
-!> With friction every close pair has its slip, oriented from the row's parcel to the partner, and the number of the last step
-!> in which it touched: a slip older than one step is that of an earlier contact and counts as none.
+!> With friction every close pair has a record, of which the slip is oriented from the row's parcel to the partner. A pair that
+!> does not touch has no slip. So of pairs apart, the law is also asked for those that touched in the step before.
 module close_pairs
-  use contact_lanes, only: never
+  use contact_lanes, only: lanes, full_lanes, record_rows
   use contact_list, only: contact_list_t
   use kinds, only: wp
+  use parcels, only: radius_row, mass_row
   implicit none
   private
   public :: close_pairs_t, pair_ways
@@ -21,6 +22,8 @@ module close_pairs
   integer, parameter :: block_pairs = 256
   real(wp), parameter :: difference(4) = [-1, -1, -1, 1]  !< x, y, z, r of a pair
 
+  integer, parameter :: byte = selected_int_kind(2)
+
   type :: close_pairs_t
     logical :: with_history = .false.
     logical :: with_angles = .false.      !< whether contacts remember how far they have rolled
@@ -29,14 +32,17 @@ module close_pairs
     integer :: swept = 0                  !< pairs whose forces of this step are known
     integer, allocatable :: entry(:)      !< (n at least) of the list
     integer, allocatable :: i(:), j(:)    !< (n at least) columns of the parcels
-    real(wp), allocatable :: slip(:,:)    !< (4, n at least) 1:3 tangential slip [m], 4 step of last touch
-    real(wp), allocatable :: angle(:,:)   !< (3, n at least) with the rolling spring: angle rolled [rad]
+    real(wp), allocatable :: record(:,:,:)  !< (lanes, record_rows, for n at least) see contact_lanes; those beyond n do no harm
+    real(wp), allocatable :: angle(:,:)   !< (3, as many) with the rolling spring: angle rolled [rad]
+    logical(byte), allocatable :: held(:)  !< (n at least) of pairs apart: whether the pair may have a slip
     real(wp), private :: way_left = 0.0_wp  !< that parcels may go before the pairs are chosen again [m]
   contains
     procedure :: take_all
+    procedure :: reserve_memory
     procedure :: note_way
     procedure :: begin_step
     procedure :: last_of_rows
+    procedure :: remembers
     procedure :: memory_of
     procedure :: remind
   end type close_pairs_t
@@ -44,61 +50,93 @@ module close_pairs
 contains
 
   !> All pairs of a new list; nothing has touched yet.
-  subroutine take_all(self, list)
+  subroutine take_all(self, list, state)
     class(close_pairs_t), intent(inout) :: self
     type(contact_list_t), intent(in) :: list
+    real(wp), intent(in), contiguous :: state(:,:)  !< see parcels
 
     integer :: k
 
-    call reserve(self, list%entries)
     self%tight = .false.
     self%n = list%entries
     self%way_left = 0.0_wp
-    do k = 1, list%entries
-      self%entry(k) = k
-    end do
-    self%i(1:self%n) = list%row(1:self%n)
-    self%j(1:self%n) = list%partner(1:self%n)
+    self%entry = [(k, k=1, self%n)]
+    self%i = list%row(1:self%n)
+    self%j = list%partner(1:self%n)
     if (.not. self%with_history) return
-    self%slip(1:3, 1:self%n) = 0.0_wp
-    self%slip(4, 1:self%n) = never
-    if (self%with_angles) self%angle(:, 1:self%n) = 0.0_wp
+    call self%reserve_memory()
+    do k = 1, self%n
+      call begin_record(self, k, state)
+    end do
   end subroutine take_all
 
-  subroutine reserve(self, pairs)
+  !> Room for what is kept of the pairs, which are known. What was kept is lost.
+  subroutine reserve_memory(self)
     class(close_pairs_t), intent(inout) :: self
-    integer, intent(in) :: pairs
 
-    if (allocated(self%entry)) then
-      if (size(self%entry) >= pairs) return
-      deallocate (self%entry, self%i, self%j)
-      if (self%with_history) deallocate (self%slip)
-      if (self%with_angles) deallocate (self%angle)
+    integer :: groups
+
+    groups = full_lanes(self%n)/lanes
+    if (allocated(self%record)) then
+      if (size(self%record, 3) < groups) deallocate (self%record)
     end if
-    allocate (self%entry(pairs + pairs/8), self%i(pairs + pairs/8), self%j(pairs + pairs/8))
-    if (self%with_history) allocate (self%slip(4, pairs + pairs/8))
-    if (self%with_angles) allocate (self%angle(3, pairs + pairs/8))
-  end subroutine reserve
+    if (.not. allocated(self%record)) allocate (self%record(lanes, record_rows, groups + groups/8))
+    if (groups > 0) self%record(:, :, groups) = 0.0_wp
+    if (self%tight .and. allocated(self%held)) deallocate (self%held)
+    if (.not. self%tight) self%held = spread(.false._byte, 1, self%n)
+    if (.not. self%with_angles) return
+    if (allocated(self%angle)) then
+      if (size(self%angle, 2) < lanes*groups) deallocate (self%angle)
+    end if
+    if (.not. allocated(self%angle)) allocate (self%angle(3, lanes*(groups + groups/8)))
+    if (groups > 0) self%angle(:, lanes*(groups - 1) + 1:lanes*groups) = 0.0_wp
+  end subroutine reserve_memory
 
-  !> What a pair remembers beside the step of its last touch: the slip and, if there is one, the angle.
+  !> What is kept of a pair that does not touch.
+  pure subroutine begin_record(self, pair, state)
+    class(close_pairs_t), intent(inout) :: self
+    integer, intent(in) :: pair
+    real(wp), intent(in) :: state(:,:)  !< see parcels
+
+    associate (l => 1 + modulo(pair - 1, lanes), g => 1 + (pair - 1)/lanes, i => self%i(pair), j => self%j(pair))
+      self%record(l, 1:3, g) = 0.0_wp
+      self%record(l, 4, g) = 1/sqrt(state(mass_row, i) + state(mass_row, j))
+      self%record(l, 5, g) = 1/(state(radius_row, i) + state(radius_row, j))
+    end associate
+    if (self%with_angles) self%angle(:, pair) = 0.0_wp
+  end subroutine begin_record
+
+  !> Whether a pair has a slip, or an angle.
+  pure function remembers(self, pair)
+    class(close_pairs_t), intent(in) :: self
+    integer, intent(in) :: pair
+    logical :: remembers
+
+    associate (slip => self%record(1 + modulo(pair - 1, lanes), 1:3, 1 + (pair - 1)/lanes))
+      remembers = any(abs(slip) > 0.0_wp)
+    end associate
+    if (self%with_angles) remembers = remembers .or. any(abs(self%angle(:, pair)) > 0.0_wp)
+  end function remembers
+
+  !> The slip of a pair and, if there is one, the angle.
   pure function memory_of(self, pair) result(memory)
     class(close_pairs_t), intent(in) :: self
     integer, intent(in) :: pair
     real(wp) :: memory(merge(6, 3, self%with_angles))
 
-    memory(1:3) = self%slip(1:3, pair)
+    memory(1:3) = self%record(1 + modulo(pair - 1, lanes), 1:3, 1 + (pair - 1)/lanes)
     if (self%with_angles) memory(4:6) = self%angle(:, pair)
   end function memory_of
 
   !> Give it back.
-  pure subroutine remind(self, pair, memory, step)
+  pure subroutine remind(self, pair, memory)
     class(close_pairs_t), intent(inout) :: self
     integer, intent(in) :: pair
     real(wp), intent(in) :: memory(:)  !< as `memory_of`
-    real(wp), intent(in) :: step       !< of the last touch
 
-    self%slip(:, pair) = [memory(1:3), step]
+    self%record(1 + modulo(pair - 1, lanes), 1:3, 1 + (pair - 1)/lanes) = memory(1:3)
     if (self%with_angles) self%angle(:, pair) = memory(4:6)
+    if (.not. self%tight) self%held(pair) = .true.
   end subroutine remind
 
   !> Parcels have gone so far at most.
@@ -127,12 +165,11 @@ contains
     tight = steps > fewest_steps
     gap = skin
     if (tight) gap = min(2*way*steps, skin)
-    if (tight .or. self%tight) call choose(self, list, state, gap)
-    self%tight = tight
+    if (tight .or. self%tight) call choose(self, list, state, gap, tight)
     self%way_left = merge(gap/2, patience*way, tight)
   end subroutine begin_step
 
-  !> The last pair in rows up to the given one.
+  !> The last pair in rows up to the given one, or some more for full lanes.
   pure function last_of_rows(self, row) result(last)
     class(close_pairs_t), intent(in) :: self
     integer, intent(in) :: row
@@ -150,66 +187,71 @@ contains
         beyond = middle
       end if
     end do
+    last = min(full_lanes(last), self%n)
   end function last_of_rows
 
-  !> The listed pairs with a gap less than `gap` become the close ones and keep their slips.
-  subroutine choose(self, list, state, gap)
+  !> The listed pairs with a gap less than `gap` become the close ones and keep what they remember.
+  subroutine choose(self, list, state, gap, tight)
     class(close_pairs_t), intent(inout) :: self
     type(contact_list_t), intent(in) :: list
     real(wp), intent(in), contiguous :: state(:,:)
-    real(wp), intent(in) :: gap  !< [m]
+    real(wp), intent(in) :: gap      !< [m]
+    logical, intent(in) :: tight
 
-    integer, allocatable :: old_entry(:)
-    real(wp), allocatable :: old_slip(:,:), old_angle(:,:)
+    integer :: entry(list%entries), before, count, m, n
     real(wp) :: way(4, block_pairs)
-    integer :: before, count, m, n, old_n
+    type(close_pairs_t) :: old
 
-    allocate (old_slip(4, 0), old_angle(3, 0))
-    call move_alloc(self%entry, old_entry)
-    if (self%with_history) call move_alloc(self%slip, old_slip)
-    if (self%with_angles) call move_alloc(self%angle, old_angle)
-    old_n = self%n
-    deallocate (self%i, self%j)
-    call reserve(self, list%entries)
     n = 0
     do before = 0, list%entries - 1, block_pairs
       count = min(list%entries - before, block_pairs)
       call pair_ways(size(state, 1), state, count, list%row(before + 1:), list%partner(before + 1:), way)
       do m = 1, count
-        self%entry(n + 1) = before + m
+        entry(n + 1) = before + m
         n = n + merge(1, 0, way(1, m)**2 + way(2, m)**2 + way(3, m)**2 < (way(4, m) + gap)**2)
       end do
     end do
+    old%n = self%n
+    call move_alloc(self%entry, old%entry)
     self%n = n
-    do m = 1, n
-      self%i(m) = list%row(self%entry(m))
-      self%j(m) = list%partner(self%entry(m))
-    end do
-    if (self%with_history) call give_slips(old_entry(1:old_n), old_slip, old_angle, self)
+    self%tight = tight
+    self%entry = entry(1:n)
+    self%i = list%row(self%entry)
+    self%j = list%partner(self%entry)
+    if (.not. self%with_history) return
+    allocate (old%angle(3, 0))
+    call move_alloc(self%record, old%record)
+    if (self%with_angles) call move_alloc(self%angle, old%angle)
+    call self%reserve_memory()
+    call remember(self, old, state)
   end subroutine choose
 
-  !> Pairs that were close before keep their slips, and angles.
-  pure subroutine give_slips(old_entry, old_slip, old_angle, self)
-    integer, intent(in) :: old_entry(:)
-    real(wp), intent(in) :: old_slip(:,:), old_angle(:,:)
+  !> Pairs that were close before keep what is kept of them.
+  pure subroutine remember(self, old, state)
     class(close_pairs_t), intent(inout) :: self
+    type(close_pairs_t), intent(in) :: old
+    real(wp), intent(in) :: state(:,:)
 
     integer :: m, p
 
     p = 1
     do m = 1, self%n
-      do while (p <= size(old_entry))
-        if (old_entry(p) >= self%entry(m)) exit
+      do while (p <= old%n)
+        if (old%entry(p) >= self%entry(m)) exit
         p = p + 1
       end do
-      self%slip(:, m) = [0.0_wp, 0.0_wp, 0.0_wp, never]
-      if (self%with_angles) self%angle(:, m) = 0.0_wp
-      if (p > size(old_entry)) cycle
-      if (old_entry(p) /= self%entry(m)) cycle
-      self%slip(:, m) = old_slip(:, p)
-      if (self%with_angles) self%angle(:, m) = old_angle(:, p)
+      if (p <= old%n) then
+        if (old%entry(p) == self%entry(m)) then
+          self%record(1 + modulo(m - 1, lanes), :, 1 + (m - 1)/lanes) &
+            = old%record(1 + modulo(p - 1, lanes), :, 1 + (p - 1)/lanes)
+          if (self%with_angles) self%angle(:, m) = old%angle(:, p)
+          if (.not. self%tight) self%held(m) = .true.
+          cycle
+        end if
+      end if
+      call begin_record(self, m, state)
     end do
-  end subroutine give_slips
+  end subroutine remember
 
   !> x_i - x_j and r_i + r_j of pairs [m].
   pure subroutine pair_ways(rows, state, n, i, j, way)

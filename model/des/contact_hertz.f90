@@ -13,7 +13,7 @@
 !> The contact point is that of contact_linear. Steps damp too much here, too, so dashpots are divided by 1 + (5/12 + zeta)
 !> S dt^2/m_eff, found by trial; they set in gently, and springs are as they are.
 module contact_hertz
-  use contact_lanes, only: lanes, never, turn_eight, turn_four
+  use contact_lanes, only: lanes, record_rows, turn_eight, turn_four
   use contact_linear, only: damping_ratio
   use kinds, only: wp
   implicit none
@@ -35,7 +35,6 @@ module contact_hertz
     real(wp) :: tangential = 0.0_wp   !< gamma_t / gamma_n [-]
     real(wp) :: mu = 0.0_wp           !< Coulomb friction [-]
     real(wp) :: dt = 0.0_wp           !< time step [s]
-    real(wp) :: step = 0.0_wp         !< number of this step
   contains
     procedure :: contact_time
   end type hertz_t
@@ -89,38 +88,37 @@ contains
 
   !> Forces of n pairs with friction, as `friction_forces` of contact_linear; `spin` holds the curvature
   !> 1/r_i + 1/r_j in 4.
-  pure subroutine hertz_friction_forces(law, n, pair, spin, slip, force)
+  pure subroutine hertz_friction_forces(law, n, pair, spin, record, force)
     type(hertz_t), intent(in) :: law
     integer, intent(in) :: n
     real(wp), intent(in) :: pair(8, n)     !< [m], [m], [m/s], [1/kg]
     real(wp), intent(in) :: spin(4, n)     !< [m/s], 4 [1/m]
-    real(wp), intent(inout) :: slip(4, n)  !< 1:3 tangential slip [m], 4 step of the last touch
+    real(wp), intent(inout) :: record(lanes, record_rows, n/lanes)  !< see contact_lanes
     real(wp), intent(out) :: force(8, n)   !< [N]
 
-    real(wp) :: forces(lanes, 8), slips(lanes, 4)
+    real(wp) :: forces(lanes, 8)
     integer :: k
 
     do k = 1, n, lanes
-      call eight_with_friction(law, pair(:, k:k + lanes - 1), spin(:, k:k + lanes - 1), &
-                               slip(:, k:k + lanes - 1), forces, slips)
+      call eight_with_friction(law, pair(:, k:k + lanes - 1), spin(:, k:k + lanes - 1), record(:, :, 1 + k/lanes), forces)
       call turn_eight(forces, force(:, k:k + lanes - 1))
-      call turn_four(slips, slip(:, k:k + lanes - 1))
     end do
   end subroutine hertz_friction_forces
 
   !> Eight pairs at once, one in each lane.
-  pure subroutine eight_with_friction(law, pair, spin, slip, forces, slips)
+  pure subroutine eight_with_friction(law, pair, spin, record, forces)
     type(hertz_t), intent(in) :: law
-    real(wp), intent(in) :: pair(8, lanes), spin(4, lanes), slip(4, lanes)
-    real(wp), intent(out) :: forces(lanes, 8), slips(lanes, 4)
+    real(wp), intent(in) :: pair(8, lanes), spin(4, lanes)
+    real(wp), intent(inout) :: record(lanes, record_rows)
+    real(wp), intent(out) :: forces(lanes, 8)
 
     real(wp) :: x, y, z, square, per_d, per_reach, delta, s, gamma_n, v_n, f_n, part, k_t, excess
-    real(wp) :: t_x, t_y, t_z, a, b, c, along, gamma_t, f_x, f_y, f_z, cap, back, keep, touch
+    real(wp) :: t_x, t_y, t_z, a, b, c, along, gamma_t, f_x, f_y, f_z, cap, back, touch
     integer :: k
 
     excess = law%excess*law%dt**2
     !$omp simd simdlen(8) private(x, y, z, square, per_d, per_reach, delta, s, gamma_n, v_n, f_n, part, k_t) &
-    !$omp& private(t_x, t_y, t_z, a, b, c, along, gamma_t, f_x, f_y, f_z, cap, back, keep, touch)
+    !$omp& private(t_x, t_y, t_z, a, b, c, along, gamma_t, f_x, f_y, f_z, cap, back, touch)
     do k = 1, lanes
       x = pair(1, k)
       y = pair(2, k)
@@ -128,12 +126,12 @@ contains
       square = x*x + y*y + z*z
       touch = merge(1.0_wp, 0.0_wp, square < pair(4, k)*pair(4, k))
       per_d = 1/sqrt(square)
-      per_reach = 1/pair(4, k)
+      per_reach = record(k, 5)
 
       ! Normal force. Rounding may leave a pair that just touches without overlap.
       delta = max(pair(4, k) - square*per_d, tiny(delta))
       s = 2*law%modulus*sqrt(delta/spin(4, k))
-      gamma_n = law%damping*sqrt(s/pair(8, k))/(1 + excess*s*pair(8, k))
+      gamma_n = touch*law%damping*sqrt(s)*record(k, 4)/(1 + excess*s*pair(8, k))
       v_n = (pair(5, k)*x + pair(6, k)*y + pair(7, k)*z)*per_d
       f_n = touch*((2.0_wp/3.0_wp)*s*delta - gamma_n*v_n)
       k_t = law%shear*s
@@ -146,10 +144,9 @@ contains
       t_z = pair(7, k) - z*part - (spin(1, k)*y - spin(2, k)*x)*per_reach
 
       ! Slip since the contact began, kept in the tangent plane.
-      keep = merge(1.0_wp, 0.0_wp, slip(4, k) >= law%step - 1.5_wp)
-      a = keep*slip(1, k) + t_x*law%dt
-      b = keep*slip(2, k) + t_y*law%dt
-      c = keep*slip(3, k) + t_z*law%dt
+      a = record(k, 1) + t_x*law%dt
+      b = record(k, 2) + t_y*law%dt
+      c = record(k, 3) + t_z*law%dt
       along = (a*x + b*y + c*z)*per_d*per_d
       a = a - along*x
       b = b - along*y
@@ -162,10 +159,9 @@ contains
       cap = law%mu*abs(f_n)/sqrt(max(f_x*f_x + f_y*f_y + f_z*f_z, tiny(cap)))
       cap = min(cap, touch)
       back = gamma_t/k_t*(cap - 1)
-      slips(k, 1) = cap*a + back*t_x
-      slips(k, 2) = cap*b + back*t_y
-      slips(k, 3) = cap*c + back*t_z
-      slips(k, 4) = merge(law%step, never, touch > 0.0_wp)
+      record(k, 1) = cap*a + back*t_x
+      record(k, 2) = cap*b + back*t_y
+      record(k, 3) = cap*c + back*t_z
       f_x = cap*f_x
       f_y = cap*f_y
       f_z = cap*f_z

@@ -38,20 +38,20 @@ contains
     if (.not. allocated(self%own)) call resize(self, 64)
   end subroutine clear
 
-  !> Record all contacts that touched in the last step.
+  !> Record all contacts of the last step.
   subroutine collect(self, pairs, walls, parcels, step)
     class(history_t), intent(inout) :: self
     type(close_pairs_t), intent(in) :: pairs
     type(wall_list_t), intent(in) :: walls
     type(parcels_t), intent(in) :: parcels
-    real(wp), intent(in) :: step  !< number of the last step
+    real(wp), intent(in) :: step  !< number of the last step, for walls
 
     integer :: i, j, k, w
 
     call self%clear()
     if (size(self%own) < pairs%n + walls%entries) call resize(self, pairs%n + walls%entries)
     do k = 1, pairs%n
-      if (pairs%slip(4, k) < step - 0.5_wp) cycle
+      if (.not. pairs%remembers(k)) cycle
       i = pairs%i(k)
       j = pairs%j(k)
       if (j <= parcels%n) then
@@ -115,14 +115,14 @@ contains
       if (j > 0) then
         k = entry_of(list, min(i, j), max(i, j))
         if (k > 0) then
-          call pairs%remind(k, merge(1.0_wp, -1.0_wp, i < j)*self%slip(:, m), step)
+          call pairs%remind(k, merge(1.0_wp, -1.0_wp, i < j)*self%slip(:, m))
         else
           ! A periodic face has come between the two: each now touches the image of the other.
-          call restore_image(list, pairs, parcels, i, parcels%id(j), self%slip(:, m), step)
-          call restore_image(list, pairs, parcels, j, parcels%id(i), -self%slip(:, m), step)
+          call restore_image(list, pairs, parcels, i, parcels%id(j), self%slip(:, m))
+          call restore_image(list, pairs, parcels, j, parcels%id(i), -self%slip(:, m))
         end if
       else if (self%other_id(m) > 0) then
-        call restore_image(list, pairs, parcels, i, self%other_id(m), self%slip(:, m), step)
+        call restore_image(list, pairs, parcels, i, self%other_id(m), self%slip(:, m))
       else
         w = first_wall(i)
         do while (w > 0)
@@ -146,19 +146,18 @@ contains
   end function entry_of
 
   !> Give a slip to the entry of row i whose partner has the given id.
-  pure subroutine restore_image(list, pairs, parcels, i, id, slip, step)
+  pure subroutine restore_image(list, pairs, parcels, i, id, slip)
     type(contact_list_t), intent(in) :: list
     type(close_pairs_t), intent(inout) :: pairs
     type(parcels_t), intent(in) :: parcels
     integer, intent(in) :: i
     integer(i8), intent(in) :: id
     real(wp), intent(in) :: slip(:)  !< (rows)
-    real(wp), intent(in) :: step
 
     integer :: k
 
     do k = list%first(i), list%first(i + 1) - 1
-      if (parcels%id(list%partner(k)) == id) call pairs%remind(k, slip, step)
+      if (parcels%id(list%partner(k)) == id) call pairs%remind(k, slip)
     end do
   end subroutine restore_image
 

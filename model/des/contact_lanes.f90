@@ -3,12 +3,24 @@ module contact_lanes
   use kinds, only: wp
   implicit none
   private
-  public :: lanes, never, turn_eight, turn_four
+  public :: lanes, full_lanes, record_rows, turn_eight, turn_four
 
   integer, parameter :: lanes = 8            !< pairs computed at a time
-  real(wp), parameter :: never = -1.0_wp     !< the last touch of a pair that does not touch, or has not yet
+
+  !> What is kept of pairs from step to step, eight by eight as the laws read it: (lanes, record_rows, groups).
+  !> Rows 1:3 tangential slip [m], zero of a pair that does not touch; 4 square root of the effective mass [sqrt(kg)];
+  !> 5 1/(r_i + r_j) [1/m].
+  integer, parameter :: record_rows = 5
 
 contains
+
+  !> The least multiple of `lanes` that holds n pairs.
+  elemental function full_lanes(n)
+    integer, intent(in) :: n
+    integer :: full_lanes
+
+    full_lanes = lanes*((n + lanes - 1)/lanes)
+  end function full_lanes
 
   !> Rows for pairs from rows for components.
   pure subroutine turn_eight(from, to)

@@ -4,6 +4,7 @@ module contact_law
   use cohesion, only: cohesion_t
   use constants, only: pi
   use contact_hertz, only: hertz_t, new_hertz, hertz_friction_forces, hertz_frictionless_forces
+  use contact_lanes, only: lanes, record_rows
   use contact_linear, only: linear_t, new_linear, linear_friction_forces, linear_frictionless_forces
   use contact_pairs, only: pair_t
   use contact_settings, only: contact_settings_t
@@ -73,15 +74,13 @@ contains
     end if
   end function cohesion_of
 
-  !> The length of the steps that follow, and the number of the next.
-  pure subroutine set_step(self, dt, step)
+  !> The length of the steps that follow.
+  elemental subroutine set_step(self, dt)
     class(contact_law_t), intent(inout) :: self
-    real(wp), intent(in) :: dt    !< [s]
-    real(wp), intent(in) :: step
+    real(wp), intent(in) :: dt  !< [s]
 
-    call self%linear%set_step(dt, step)
+    call self%linear%set_step(dt)
     self%hertz%dt = dt
-    self%hertz%step = step
   end subroutine set_step
 
   !> Time a collision takes, or half a swing of the rolling spring if that is shorter [s].
@@ -101,18 +100,18 @@ contains
   end function contact_time
 
   !> Forces of n pairs with friction, n a multiple of `lanes`, none on those that do not touch: see `linear_friction_forces`.
-  pure subroutine friction_forces(law, n, pair, spin, slip, force)
+  pure subroutine friction_forces(law, n, pair, spin, record, force)
     type(contact_law_t), intent(in) :: law
     integer, intent(in) :: n
     real(wp), intent(in) :: pair(8, n)     !< x_i - x_j, r_i + r_j [m], v_i - v_j [m/s], 1/m_i + 1/m_j [1/kg]
     real(wp), intent(in) :: spin(4, n)     !< r_i omega_i + r_j omega_j [m/s], 1/r_i + 1/r_j [1/m]
-    real(wp), intent(inout) :: slip(4, n)  !< tangential slip [m], step of the last touch
+    real(wp), intent(inout) :: record(lanes, record_rows, n/lanes)  !< see contact_lanes
     real(wp), intent(out) :: force(8, n)   !< 1:3 force on i, 5:7 torque over radius [N]
 
     if (law%hertzian) then
-      call hertz_friction_forces(law%hertz, n, pair, spin, slip, force)
+      call hertz_friction_forces(law%hertz, n, pair, spin, record, force)
     else
-      call linear_friction_forces(law%linear, n, pair, spin, slip, force)
+      call linear_friction_forces(law%linear, n, pair, spin, record, force)
     end if
   end subroutine friction_forces
 

@@ -101,19 +101,12 @@ contains
   end function materials
 
   !> The length of the steps that follow, and the number of the next.
-  pure subroutine set_step(self, dt, step)
+  pure subroutine set_step(self, dt)
     class(contact_laws_t), intent(inout) :: self
-    real(wp), intent(in) :: dt    !< [s]
-    real(wp), intent(in) :: step
+    real(wp), intent(in) :: dt  !< [s]
 
-    integer :: i
-
-    do i = 1, size(self%pair)
-      call self%pair(i)%set_step(dt, step)
-    end do
-    do i = 1, size(self%wall)
-      call self%wall(i)%set_step(dt, step)
-    end do
+    call self%pair%set_step(dt)
+    call self%wall%set_step(dt)
   end subroutine set_step
 
   !> Which of `pair` parcels of two powders have.

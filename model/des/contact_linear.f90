@@ -16,9 +16,9 @@
 !> A step makes the period of an oscillator too short by 1/24 (omega_0 dt)^2, omega_0^2 = k_n/m_eff, so springs are softer by
 !> (omega_0 dt)^2/12, 0.2 % at 20 steps in a collision: an elastic collision of two is right to fourth order.
 !>
-!> Velocities are those of the moment of the positions: see motion. Their extrapolation damps too much, so dashpots are divided
-!> by 1 + (1/2 + zeta) (omega_0 dt)^2, both terms found by trial. At 20 steps in a collision the restitution is then right to
-!> 0.1 % for e of 0.5 and above, 1 % at 0.3.
+!> Velocities are those of the moment of the positions: see motion. Their extrapolation damps too much, so dashpots are
+!> multiplied by 1 - q + q^2, q = (1/2 + zeta) (omega_0 dt)^2, both terms found by trial. At 20 steps in a collision the
+!> restitution is then right to 0.1 % for e of 0.5 and above, 1 % at 0.3.
 !>
 !> A dashpot sets in at full strength, so a step in which a contact begins or ends must count it for as long as the contact
 !> lasts. Of a pair whose overlap is less than what it has moved since the step before, or will move until the next, this is the
@@ -26,11 +26,13 @@
 !> on the other, 1/2 + delta/(v dt) steps of the dashpot. Not so the tangential one, of which the slip keeps account.
 module contact_linear
   use constants, only: pi
-  use contact_lanes, only: lanes, never, turn_eight, turn_four
+  use contact_lanes, only: lanes, record_rows, turn_eight, turn_four
   use kinds, only: wp
   implicit none
   private
   public :: linear_t, new_linear, damping_ratio, linear_friction_forces, linear_frictionless_forces
+
+  real(wp), parameter :: least = 1.0e-100_wp  !< below any way [m] and force [N]; its square is a number
 
   !> Constants of one pair of materials.
   type :: linear_t
@@ -42,9 +44,8 @@ module contact_linear
     real(wp) :: mu = 0.0_wp           !< Coulomb friction [-]
     real(wp) :: lead = 0.0_wp         !< 1/2 + zeta, see above [-]
     real(wp) :: dt = 0.0_wp           !< time step [s]
-    real(wp) :: excess = 0.0_wp       !< by which it damps too much, over 1/m_eff [kg]
+    real(wp) :: excess = 0.0_wp       !< q, by which it damps too much, over 1/m_eff [kg]
     real(wp) :: soft = 0.0_wp         !< by which springs are softer, over 1/m_eff [kg]
-    real(wp) :: step = 0.0_wp         !< number of this step
   contains
     procedure :: set_step
     procedure :: contact_time
@@ -77,14 +78,12 @@ contains
     zeta = abs(log(restitution))/sqrt(pi**2 + log(restitution)**2)
   end function damping_ratio
 
-  !> The length of the steps that follow, and the number of the next.
-  pure subroutine set_step(self, dt, step)
+  !> The length of the steps that follow.
+  elemental subroutine set_step(self, dt)
     class(linear_t), intent(inout) :: self
-    real(wp), intent(in) :: dt    !< [s]
-    real(wp), intent(in) :: step
+    real(wp), intent(in) :: dt  !< [s]
 
     self%dt = dt
-    self%step = step
     self%excess = self%lead*self%k_n*dt**2
     self%soft = self%k_n*dt**2/12
   end subroutine set_step
@@ -98,86 +97,83 @@ contains
     contact_time = pi*sqrt(effective_mass)/sqrt(self%k_n - (self%damping/2)**2)
   end function contact_time
 
-  !> Forces of n pairs (i, j) with friction, n a multiple of `lanes`; none on those that do not touch.
+  !> Forces of n pairs (i, j) with friction, n a multiple of `lanes`; none on those that do not touch, whose slip becomes zero.
   !>
   !> `pair` holds of each pair: 1:3 x_i - x_j, 4 r_i + r_j, 5:7 v_i - v_j, 8 1/m_i + 1/m_j; `spin` holds 1:3
   !> r_i omega_i + r_j omega_j, and in 4 what other laws read; `force` receives 1:3 the force on i and 5:7 the
   !> torque over radius, the same for i and j. Exchanging i and j gives exactly the opposite force.
-  pure subroutine linear_friction_forces(law, n, pair, spin, slip, force)
+  pure subroutine linear_friction_forces(law, n, pair, spin, record, force)
     type(linear_t), intent(in) :: law
     integer, intent(in) :: n
     real(wp), intent(in) :: pair(8, n)     !< [m], [m], [m/s], [1/kg]
     real(wp), intent(in) :: spin(4, n)     !< [m/s]
-    real(wp), intent(inout) :: slip(4, n)  !< 1:3 tangential slip [m], 4 step of the last touch
+    real(wp), intent(inout) :: record(lanes, record_rows, n/lanes)  !< see contact_lanes
     real(wp), intent(out) :: force(8, n)   !< [N]
 
-    real(wp) :: forces(lanes, 8), slips(lanes, 4)
+    real(wp) :: forces(lanes, 8)
     integer :: k
 
     do k = 1, n, lanes
-      call eight_with_friction(law, pair(:, k:k + lanes - 1), spin(:, k:k + lanes - 1), &
-                               slip(:, k:k + lanes - 1), forces, slips)
+      call eight_with_friction(law, pair(:, k:k + lanes - 1), spin(:, k:k + lanes - 1), record(:, :, 1 + k/lanes), forces)
       call turn_eight(forces, force(:, k:k + lanes - 1))
-      call turn_four(slips, slip(:, k:k + lanes - 1))
     end do
   end subroutine linear_friction_forces
 
   !> Eight pairs at once, one in each lane. All rows are read, since one left out would keep the last lanes out
-  !> of the vector loop; results are written lane by lane and turned afterwards, which is 9 % faster. Several short loops
-  !> are 9 % faster than a long one: a root or a division of one vector does not wait for the next steps of another.
-  pure subroutine eight_with_friction(law, pair, spin, slip, forces, slips)
+  !> of the vector loop; forces are written lane by lane and turned afterwards, which is 9 % faster. Several short loops
+  !> are 9 % faster than a long one: a root or a division of one vector does not wait for the next steps of another. These two are
+  !> what a pair waits for, so one division serves all that the force on it is divided by.
+  pure subroutine eight_with_friction(law, pair, spin, record, forces)
     type(linear_t), intent(in) :: law
-    real(wp), intent(in) :: pair(8, lanes), spin(4, lanes), slip(4, lanes)
-    real(wp), intent(out) :: forces(lanes, 8), slips(lanes, 4)
+    real(wp), intent(in) :: pair(8, lanes), spin(4, lanes)
+    real(wp), intent(inout) :: record(lanes, record_rows)
+    real(wp), intent(out) :: forces(lanes, 8)
 
-    real(wp), dimension(lanes) :: x, y, z, per_d, delta, per_reach, gamma_n, v_n, u, v, w, inverse, f_n
-    real(wp), dimension(lanes) :: t_x, t_y, t_z, a, b, c, f_x, f_y, f_z, gamma_t, touch
-    real(wp) :: square, q, share, push, way, next, part, keep, along, cap, back
+    real(wp), dimension(lanes) :: x, y, z, per_d, delta, gamma_n, v_n, u, v, w, inverse, f_n, way
+    real(wp), dimension(lanes) :: t_x, t_y, t_z, a, b, c, f_x, f_y, f_z, gamma_t
+    real(wp) :: square, touch, q, push, next, part, along, trial, share, cap, back
     integer :: k
 
-    ! Distance, and dashpots: gamma_n = damping sqrt(m_eff)/(1 + excess/m_eff), one division for it and 1/reach.
-    !$omp simd simdlen(8) private(square, q, share)
+    ! Distance, and dashpots.
+    !$omp simd simdlen(8) private(square, touch, q)
     do k = 1, lanes
       x(k) = pair(1, k)
       y(k) = pair(2, k)
       z(k) = pair(3, k)
       square = x(k)*x(k) + y(k)*y(k) + z(k)*z(k)
-      touch(k) = merge(1.0_wp, 0.0_wp, square < pair(4, k)*pair(4, k))
+      touch = merge(1.0_wp, 0.0_wp, square < pair(4, k)*pair(4, k))
       per_d(k) = 1/sqrt(square)
-      delta(k) = max(pair(4, k) - square*per_d(k), 0.0_wp)
-      q = sqrt(pair(8, k))*(1 + law%excess*pair(8, k))
-      share = 1/(q*pair(4, k))
-      per_reach(k) = share*q
-      gamma_n(k) = law%damping*share*pair(4, k)
+      delta(k) = touch*max(pair(4, k) - square*per_d(k), 0.0_wp)
+      q = law%excess*pair(8, k)
+      gamma_n(k) = touch*law%damping*record(k, 4)*(1 - q*(1 - q))
       u(k) = pair(5, k)
       v(k) = pair(6, k)
       w(k) = pair(7, k)
       inverse(k) = pair(8, k)
     end do
 
-    ! Normal force; its dashpot as long as the contact lasts in this step.
-    !$omp simd simdlen(8) private(push, next, way, part)
+    ! Normal force times `way`; its dashpot as long as the contact lasts in this step.
+    !$omp simd simdlen(8) private(push, next)
     do k = 1, lanes
       v_n(k) = (u(k)*x(k) + v(k)*y(k) + w(k)*z(k))*per_d(k)
       gamma_t(k) = law%tangential*gamma_n(k)
       push = law%k_n*delta(k)*(1 - law%soft*inverse(k))
       next = v_n(k) + 0.5_wp*law%dt*inverse(k)*(push - gamma_n(k)*v_n(k))
-      way = law%dt*merge(next, -v_n(k), next > -v_n(k))
-      part = delta(k)/max(merge(way, delta(k), way > delta(k)), tiny(way))
-      f_n(k) = touch(k)*(push - gamma_n(k)*(part + merge(0.5_wp, 0.0_wp, part < 1.0_wp))*v_n(k))
+      way(k) = law%dt*merge(next, -v_n(k), next > -v_n(k))
+      way(k) = max(merge(way(k), delta(k), way(k) > delta(k)), least)
+      f_n(k) = push*way(k) - gamma_n(k)*(delta(k) + merge(0.5_wp, 0.0_wp, delta(k) < way(k))*way(k))*v_n(k)
     end do
 
     ! Velocity at the contact point without its normal part, and the slip since the contact began, kept in the tangent plane.
-    !$omp simd simdlen(8) private(part, keep, along)
+    !$omp simd simdlen(8) private(part, along)
     do k = 1, lanes
       part = v_n(k)*per_d(k)
-      t_x(k) = u(k) - x(k)*part - (spin(2, k)*z(k) - spin(3, k)*y(k))*per_reach(k)
-      t_y(k) = v(k) - y(k)*part - (spin(3, k)*x(k) - spin(1, k)*z(k))*per_reach(k)
-      t_z(k) = w(k) - z(k)*part - (spin(1, k)*y(k) - spin(2, k)*x(k))*per_reach(k)
-      keep = merge(1.0_wp, 0.0_wp, slip(4, k) >= law%step - 1.5_wp)
-      a(k) = keep*slip(1, k) + t_x(k)*law%dt
-      b(k) = keep*slip(2, k) + t_y(k)*law%dt
-      c(k) = keep*slip(3, k) + t_z(k)*law%dt
+      t_x(k) = u(k) - x(k)*part - (spin(2, k)*z(k) - spin(3, k)*y(k))*record(k, 5)
+      t_y(k) = v(k) - y(k)*part - (spin(3, k)*x(k) - spin(1, k)*z(k))*record(k, 5)
+      t_z(k) = w(k) - z(k)*part - (spin(1, k)*y(k) - spin(2, k)*x(k))*record(k, 5)
+      a(k) = record(k, 1) + t_x(k)*law%dt
+      b(k) = record(k, 2) + t_y(k)*law%dt
+      c(k) = record(k, 3) + t_z(k)*law%dt
       along = (a(k)*x(k) + b(k)*y(k) + c(k)*z(k))*per_d(k)*per_d(k)
       a(k) = a(k) - along*x(k)
       b(k) = b(k) - along*y(k)
@@ -186,18 +182,19 @@ contains
     end do
 
     ! Trial force, capped at mu |F_n|; where it slides the slip is what the spring alone would need.
-    !$omp simd simdlen(8) private(cap, back)
+    !$omp simd simdlen(8) private(trial, share, cap, back)
     do k = 1, lanes
       f_x(k) = -(law%k_t*a(k) + gamma_t(k)*t_x(k))
       f_y(k) = -(law%k_t*b(k) + gamma_t(k)*t_y(k))
       f_z(k) = -(law%k_t*c(k) + gamma_t(k)*t_z(k))
-      cap = law%mu*abs(f_n(k))/sqrt(max(f_x(k)*f_x(k) + f_y(k)*f_y(k) + f_z(k)*f_z(k), tiny(cap)))
-      cap = min(cap, touch(k))
+      trial = sqrt(max(f_x(k)*f_x(k) + f_y(k)*f_y(k) + f_z(k)*f_z(k), least**2))
+      share = 1/(way(k)*trial)
+      cap = min(law%mu*abs(f_n(k))*share, 1.0_wp)
+      f_n(k) = f_n(k)*share*trial
       back = gamma_t(k)*law%per_k_t*(cap - 1)
-      slips(k, 1) = cap*a(k) + back*t_x(k)
-      slips(k, 2) = cap*b(k) + back*t_y(k)
-      slips(k, 3) = cap*c(k) + back*t_z(k)
-      slips(k, 4) = merge(law%step, never, touch(k) > 0.0_wp)
+      record(k, 1) = cap*a(k) + back*t_x(k)
+      record(k, 2) = cap*b(k) + back*t_y(k)
+      record(k, 3) = cap*c(k) + back*t_z(k)
       f_x(k) = cap*f_x(k)
       f_y(k) = cap*f_y(k)
       f_z(k) = cap*f_z(k)
@@ -211,9 +208,9 @@ contains
       forces(k, 2) = f_y(k) + y(k)*part
       forces(k, 3) = f_z(k) + z(k)*part
       forces(k, 4) = 0.0_wp
-      forces(k, 5) = (z(k)*f_y(k) - y(k)*f_z(k))*per_reach(k)
-      forces(k, 6) = (x(k)*f_z(k) - z(k)*f_x(k))*per_reach(k)
-      forces(k, 7) = (y(k)*f_x(k) - x(k)*f_y(k))*per_reach(k)
+      forces(k, 5) = (z(k)*f_y(k) - y(k)*f_z(k))*record(k, 5)
+      forces(k, 6) = (x(k)*f_z(k) - z(k)*f_x(k))*record(k, 5)
+      forces(k, 7) = (y(k)*f_x(k) - x(k)*f_y(k))*record(k, 5)
     end do
   end subroutine eight_with_friction
 
@@ -238,20 +235,21 @@ contains
     real(wp), intent(in) :: pair(8, lanes)
     real(wp), intent(out) :: forces(lanes, 4)
 
-    real(wp) :: square, per_d, delta, gamma_n, v_n, f_n, push, way, part, next
+    real(wp) :: square, per_d, delta, q, gamma_n, v_n, f_n, push, way, part, next
     integer :: k
 
-    !$omp simd simdlen(8) private(square, per_d, push, delta, next, way, part, gamma_n, v_n, f_n)
+    !$omp simd simdlen(8) private(square, per_d, push, delta, next, way, part, q, gamma_n, v_n, f_n)
     do k = 1, lanes
       square = pair(1, k)*pair(1, k) + pair(2, k)*pair(2, k) + pair(3, k)*pair(3, k)
       per_d = 1/sqrt(square)
       v_n = (pair(5, k)*pair(1, k) + pair(6, k)*pair(2, k) + pair(7, k)*pair(3, k))*per_d
       delta = pair(4, k) - square*per_d
-      gamma_n = law%damping/(sqrt(pair(8, k))*(1 + law%excess*pair(8, k)))
+      q = law%excess*pair(8, k)
+      gamma_n = law%damping/sqrt(pair(8, k))*(1 - q*(1 - q))
       push = law%k_n*delta*(1 - law%soft*pair(8, k))
       next = v_n + 0.5_wp*law%dt*pair(8, k)*(push - gamma_n*v_n)
       way = law%dt*merge(next, -v_n, next > -v_n)
-      part = delta/max(merge(way, delta, way > delta), tiny(way))
+      part = delta/max(merge(way, delta, way > delta), least)
       gamma_n = gamma_n*(part + merge(0.5_wp, 0.0_wp, part < 1.0_wp))
       f_n = merge(1.0_wp, 0.0_wp, square < pair(4, k)*pair(4, k))*(push - gamma_n*v_n)*per_d
       forces(k, 1) = pair(1, k)*f_n

@@ -23,11 +23,12 @@ module contact_parts
 contains
 
   !> Deal a list, of which all pairs are close, by the law of each pair of powders; the order stays.
-  subroutine deal(list, pairs, laws, powder, parts)
+  subroutine deal(list, pairs, laws, powder, state, parts)
     type(contact_list_t), intent(in) :: list
     type(close_pairs_t), intent(in) :: pairs
     type(contact_laws_t), intent(in) :: laws
     integer, intent(in) :: powder(:)       !< of each column, ghosts included
+    real(wp), intent(in), contiguous :: state(:,:)  !< see parcels
     type(part_t), intent(inout) :: parts(:)  !< one for each law
 
     integer :: number(list%entries), c, i, k, n
@@ -51,14 +52,13 @@ contains
       end associate
       parts(c)%pairs%with_history = pairs%with_history
       parts(c)%pairs%with_angles = pairs%with_angles
-      call parts(c)%pairs%take_all(parts(c)%list)
+      call parts(c)%pairs%take_all(parts(c)%list, state)
       if (.not. pairs%with_history) cycle
       n = 0
       do k = 1, list%entries
         if (number(k) /= c) cycle
         n = n + 1
-        parts(c)%pairs%slip(:, n) = pairs%slip(:, k)
-        if (pairs%with_angles) parts(c)%pairs%angle(:, n) = pairs%angle(:, k)
+        if (pairs%remembers(k)) call parts(c)%pairs%remind(n, pairs%memory_of(k))
       end do
     end do
   end subroutine deal
@@ -124,23 +124,22 @@ contains
     type(part_t), intent(in) :: parts(:)
     type(close_pairs_t) :: pairs
 
-    integer :: c, n
+    integer :: c, k, before
 
-    n = sum(parts%pairs%n)
+    pairs%n = sum(parts%pairs%n)
     pairs%with_history = any(parts%pairs%with_history)
-    allocate (pairs%entry(n), pairs%i(n), pairs%j(n))
-    pairs%entry = 0
     pairs%with_angles = any(parts%pairs%with_angles)
-    if (pairs%with_history) allocate (pairs%slip(4, n))
-    if (pairs%with_angles) allocate (pairs%angle(3, n))
+    allocate (pairs%entry(pairs%n), source=0)
+    pairs%i = [(parts(c)%pairs%i(1:parts(c)%pairs%n), c=1, size(parts))]
+    pairs%j = [(parts(c)%pairs%j(1:parts(c)%pairs%n), c=1, size(parts))]
+    if (.not. pairs%with_history) return
+    call pairs%reserve_memory()
+    before = 0
     do c = 1, size(parts)
-      associate (part => parts(c)%pairs, before => pairs%n)
-        pairs%i(before + 1:before + part%n) = part%i(1:part%n)
-        pairs%j(before + 1:before + part%n) = part%j(1:part%n)
-        if (pairs%with_history) pairs%slip(:, before + 1:before + part%n) = part%slip(:, 1:part%n)
-        if (pairs%with_angles) pairs%angle(:, before + 1:before + part%n) = part%angle(:, 1:part%n)
-        pairs%n = before + part%n
-      end associate
+      do k = 1, parts(c)%pairs%n
+        call pairs%remind(before + k, parts(c)%pairs%memory_of(k))
+      end do
+      before = before + parts(c)%pairs%n
     end do
   end function gathered
 

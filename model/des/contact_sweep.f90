@@ -5,7 +5,7 @@
 !> touch, in no order a processor could foresee; so those that do are selected without a branch.
 module contact_sweep
   use close_pairs, only: close_pairs_t, pair_ways
-  use contact_lanes, only: lanes
+  use contact_lanes, only: lanes, full_lanes, record_rows
   use contact_law, only: contact_law_t, friction_forces, frictionless_forces
   use kinds, only: wp
   use parcels, only: frictional_rows, frictionless_rows, radius_row, mass_row, spin_row, curvature_row
@@ -29,28 +29,34 @@ contains
     real(wp), intent(inout) :: force(8, *)            !< 1:3 force, 5:7 torque over radius [N]
 
     integer :: i(block_pairs), j(block_pairs), k(block_pairs), first, next, n, m
-    real(wp) :: slip(4, block_pairs), angle(3, block_pairs)
+    real(wp) :: record(lanes, record_rows, block_pairs/lanes), angle(3, block_pairs)
 
     first = pairs%swept + 1
     do while (first <= last)
       next = min(first + block_pairs, last + 1)
       if (pairs%tight) then
-        n = next - first
-        slip(:, 1:n) = pairs%slip(:, first:next - 1)
-        if (law%rolling%spring) angle(:, 1:n) = pairs%angle(:, first:next - 1)
-        call add_friction(law, n, pairs%i(first:next - 1), pairs%j(first:next - 1), state, slip, angle, force)
-        pairs%slip(:, first:next - 1) = slip(:, 1:n)
-        if (law%rolling%spring) pairs%angle(:, first:next - 1) = angle(:, 1:n)
+        if (pairs%with_angles) then
+          call add_friction(law, next - first, pairs%i(first:next - 1), pairs%j(first:next - 1), state, &
+                            pairs%record(:, :, 1 + first/lanes:), pairs%angle(:, first:), force)
+        else
+          call add_friction(law, next - first, pairs%i(first:next - 1), pairs%j(first:next - 1), state, &
+                            pairs%record(:, :, 1 + first/lanes:), angle, force)
+        end if
       else
         call select_pairs(frictional_rows, state, pairs, first, next - first, n, i, j, k)
-        do m = 1, n
-          slip(:, m) = pairs%slip(:, k(m))
-          if (law%rolling%spring) angle(:, m) = pairs%angle(:, k(m))
+        do m = 1, full_lanes(n)
+          associate (p => k(min(m, n)))
+            record(1 + modulo(m - 1, lanes), :, 1 + (m - 1)/lanes) = pairs%record(1 + modulo(p - 1, lanes), :, 1 + (p - 1)/lanes)
+            if (law%rolling%spring) angle(:, m) = pairs%angle(:, p)
+          end associate
         end do
-        call add_friction(law, n, i, j, state, slip, angle, force)
+        call add_friction(law, n, i, j, state, record, angle, force)
         do m = 1, n
-          pairs%slip(:, k(m)) = slip(:, m)
-          if (law%rolling%spring) pairs%angle(:, k(m)) = angle(:, m)
+          associate (p => k(m))
+            pairs%record(1 + modulo(p - 1, lanes), 1:3, 1 + (p - 1)/lanes) &
+              = record(1 + modulo(m - 1, lanes), 1:3, 1 + (m - 1)/lanes)
+            if (law%rolling%spring) pairs%angle(:, p) = angle(:, m)
+          end associate
         end do
       end if
       first = next
@@ -58,27 +64,18 @@ contains
   end subroutine sweep_friction
 
   !> What a block of pairs adds.
-  pure subroutine add_friction(law, n, i, j, state, slip, angle, force)
+  pure subroutine add_friction(law, n, i, j, state, record, angle, force)
     type(contact_law_t), intent(in) :: law
     integer, intent(in) :: n, i(n), j(n)               !< columns
     real(wp), intent(in) :: state(frictional_rows, *)
-    real(wp), intent(inout) :: slip(4, block_pairs)    !< see close_pairs
-    real(wp), intent(inout) :: angle(3, block_pairs)   !< with rolling springs
+    real(wp), intent(inout) :: record(lanes, record_rows, *)  !< see contact_lanes
+    real(wp), intent(inout) :: angle(3, *)             !< with rolling springs
     real(wp), intent(inout) :: force(8, *)
 
     real(wp) :: pair(8, block_pairs), spin(4, block_pairs), forces(8, block_pairs), torque(3, block_pairs)
-    integer :: m
 
     call gather_friction(n, i, j, state, pair, spin)
-    do m = n + 1, padded(n)
-      slip(:, m) = 0.0_wp
-    end do
-    if (law%rolling%spring) then
-      do m = 1, n
-        angle(:, m) = merge(angle(:, m), 0.0_wp, slip(4, m) >= law%linear%step - 1.5_wp)
-      end do
-    end if
-    call friction_forces(law, padded(n), pair, spin, slip, forces)
+    call friction_forces(law, full_lanes(n), pair, spin, record, forces)
     if (law%rolling%on) then
       call roll_pairs(law, n, i, j, state, pair, forces, angle, torque)
       call scatter_rolling(n, i, j, state, forces, torque, force)
@@ -93,7 +90,8 @@ contains
     integer, intent(in) :: n, i(n), j(n)
     real(wp), intent(in) :: state(frictional_rows, *)
     real(wp), intent(in) :: pair(8, block_pairs), forces(8, block_pairs)
-    real(wp), intent(inout) :: angle(3, block_pairs), torque(3, block_pairs)
+    real(wp), intent(inout) :: angle(3, *)
+    real(wp), intent(inout) :: torque(3, block_pairs)
 
     real(wp) :: turn(5, block_pairs), push(3, block_pairs), per_r(2)
     integer :: m
@@ -105,12 +103,12 @@ contains
       turn(5, m) = state(mass_row, i(m))*per_r(1)**2 + state(mass_row, j(m))*per_r(2)**2
       push(:, m) = forces(1:3, m)
     end do
-    do m = n + 1, padded(n)
+    do m = n + 1, full_lanes(n)
       turn(:, m) = turn(:, n)
       push(:, m) = 0.0_wp
       angle(:, m) = 0.0_wp
     end do
-    call rolling_torques(law%rolling, law%linear%dt, padded(n), pair, turn, push, angle, torque)
+    call rolling_torques(law%rolling, law%linear%dt, full_lanes(n), pair, turn, push, angle, torque)
   end subroutine roll_pairs
 
   !> As `scatter_friction`, with the torques against rolling, which are opposite on the two. What a pair does is added at once,
@@ -137,7 +135,7 @@ contains
   !> Add the forces of the pairs that touch, without friction.
   subroutine sweep_frictionless(law, pairs, last, state, force)
     type(contact_law_t), intent(in) :: law
-    type(close_pairs_t), intent(in) :: pairs
+    type(close_pairs_t), intent(inout) :: pairs
     integer, intent(in) :: last              !< pair; those up to `pairs%swept` are done
     real(wp), intent(in) :: state(frictionless_rows, *)  !< see parcels
     real(wp), intent(inout) :: force(4, *)   !< 1:3 force [N]
@@ -168,31 +166,24 @@ contains
 
     call gather_frictionless(n, i, j, state, pair)
     if (law%hertzian) call gather_curvature(n, i, j, state, curvature)
-    call frictionless_forces(law, padded(n), pair, curvature, forces)
+    call frictionless_forces(law, full_lanes(n), pair, curvature, forces)
     call scatter_frictionless(n, i, j, forces, force)
   end subroutine add_frictionless
 
-  !> The number of pairs the law is called with.
-  pure function padded(n)
-    integer, intent(in) :: n
-    integer :: padded
-
-    padded = lanes*((n + lanes - 1)/lanes)
-  end function padded
-
-  !> Of the next pairs, a block of them, those that touch. In three passes, of which the first two are vectors: a row of
-  !> memory at a time, then a row of pairs.
+  !> Of the next pairs, a block of them, those that touch or may have a slip to forget. In passes, of which the first two are
+  !> vectors: a row of memory at a time, then a row of pairs.
   pure subroutine select_pairs(rows, state, pairs, first, count, n, i, j, k)
     integer, intent(in) :: rows              !< of state
     real(wp), intent(in) :: state(rows, *)
-    type(close_pairs_t), intent(in) :: pairs
+    type(close_pairs_t), intent(inout) :: pairs
     integer, intent(in) :: first, count      !< pairs looked at
-    integer, intent(out) :: n                !< that touch
+    integer, intent(out) :: n                !< pairs chosen
     integer, intent(inout) :: i(block_pairs), j(block_pairs)  !< columns
     integer, intent(inout) :: k(block_pairs)  !< place among the close pairs
 
     integer :: m
     real(wp) :: way(4, block_pairs), gap(block_pairs)
+    logical :: touching
 
     call pair_ways(rows, state, count, pairs%i(first:), pairs%j(first:), way)
     !$omp simd
@@ -200,10 +191,19 @@ contains
       gap(m) = way(1, m)**2 + way(2, m)**2 + way(3, m)**2 - way(4, m)**2
     end do
     n = 0
-    do m = 1, count
-      k(n + 1) = first + m - 1
-      n = n + merge(1, 0, gap(m) < 0)
-    end do
+    if (pairs%with_history) then
+      do m = 1, count
+        touching = gap(m) < 0
+        k(n + 1) = first + m - 1
+        n = n + merge(1, 0, touching .or. pairs%held(first + m - 1))
+        pairs%held(first + m - 1) = touching
+      end do
+    else
+      do m = 1, count
+        k(n + 1) = first + m - 1
+        n = n + merge(1, 0, gap(m) < 0)
+      end do
+    end if
     do m = 1, n
       i(m) = pairs%i(k(m))
       j(m) = pairs%j(k(m))
@@ -227,7 +227,7 @@ contains
         spin(l, m) = state(l + 8, i(m)) + state(l + 8, j(m))
       end do
     end do
-    do m = n + 1, padded(n)
+    do m = n + 1, full_lanes(n)
       pair(:, m) = pair(:, n)
       spin(:, m) = spin(:, n)
     end do
@@ -248,7 +248,7 @@ contains
         pair(l + 4, m) = state(l + 4, i(m)) + difference(l)*state(l + 4, j(m))
       end do
     end do
-    do m = n + 1, padded(n)
+    do m = n + 1, full_lanes(n)
       pair(:, m) = pair(:, n)
     end do
   end subroutine gather_frictionless
@@ -264,7 +264,7 @@ contains
     do m = 1, n
       curvature(m) = 1/state(radius_row, i(m)) + 1/state(radius_row, j(m))
     end do
-    curvature(n + 1:padded(n)) = curvature(max(n, 1))
+    curvature(n + 1:full_lanes(n)) = curvature(max(n, 1))
   end subroutine gather_curvature
 
   !> Force and torque on both parcels of every pair.

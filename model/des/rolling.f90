@@ -53,7 +53,7 @@ contains
     if (self%on .and. self%spring) factor = max(1.0_wp, sqrt(spring_factor*per_inertia)*self%mu)
   end function hurry
 
-  !> Torques on i of n touching pairs (i, j), n a multiple of `lanes`; those on j are the opposite.
+  !> Torques on i of n pairs (i, j), n a multiple of `lanes`; those on j are the opposite. A pair without a force has no angle.
   pure subroutine rolling_torques(rolling, dt, n, pair, turn, force, angle, torque)
     type(rolling_t), intent(in) :: rolling
     real(wp), intent(in) :: dt              !< time step [s]
@@ -114,10 +114,10 @@ contains
     real(wp), intent(inout) :: angle(3, lanes)
     real(wp), intent(out) :: torque(3, lanes)
 
-    real(wp) :: x, y, z, square, per_d, along, u, v, w, a, b, c, f_n, k_n, k_r, cap, c_r, most, size, delta
+    real(wp) :: x, y, z, square, per_d, along, u, v, w, a, b, c, f_n, k_n, k_r, cap, c_r, most, size, delta, hold
     integer :: k
 
-    !$omp simd simdlen(8) private(x, y, z, square, per_d, along, u, v, w, a, b, c, f_n, k_n, k_r, cap, c_r, most, size, delta)
+    !$omp simd simdlen(8) private(x, y, z, square, per_d, along, u, v, w, a, b, c, f_n, k_n, k_r, cap, c_r, most, size, delta, hold)
     do k = 1, lanes
       x = pair(1, k)
       y = pair(2, k)
@@ -156,9 +156,10 @@ contains
       torque(1, k) = -(k_r*a + c_r*u)
       torque(2, k) = -(k_r*b + c_r*v)
       torque(3, k) = -(k_r*c + c_r*w)
-      angle(1, k) = a + 0.5_wp*dt*u
-      angle(2, k) = b + 0.5_wp*dt*v
-      angle(3, k) = c + 0.5_wp*dt*w
+      hold = merge(1.0_wp, 0.0_wp, f_n > 0.0_wp)
+      angle(1, k) = hold*(a + 0.5_wp*dt*u)
+      angle(2, k) = hold*(b + 0.5_wp*dt*v)
+      angle(3, k) = hold*(c + 0.5_wp*dt*w)
     end do
   end subroutine spring_torques
 

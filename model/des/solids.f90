@@ -62,7 +62,7 @@ module solids
     real(wp), allocatable :: lightest(:), smallest(:)  !< (0:M) mass [kg] and radius [m] of a parcel of each material, on all ranks
     real(wp) :: largest_ratio = 0.0_wp   !< of radius over mass of a parcel, on all ranks [m/kg]
     real(wp) :: time = 0.0_wp            !< [s]
-    real(wp) :: step = 0.0_wp            !< steps done; a real, as the slips keep it
+    real(wp) :: step = 0.0_wp            !< steps done; a real, as walls keep it
     real(wp) :: travelled = 0.0_wp       !< at most, by any parcel since the lists were made [m]
     real(wp) :: speed = 0.0_wp           !< of the fastest parcel [m/s]
     real(wp) :: listed_at = 0.0_wp       !< time for which walls stood where they did when the lists were made [s]
@@ -294,7 +294,7 @@ contains
     real(wp), intent(in) :: dt  !< [s]
 
     self%step = self%step + 1
-    call self%laws%set_step(dt, self%step)
+    call self%laws%set_step(dt)
     call begin_pairs(self%list, self%pairs, self%parts, self%parcels%state, [dt*self%speed, self%skin, typical_width(self)])
     self%walls%through = 0
     call self%walls%begin_step(self%step, self%travelled + self%chamber%way_since(self%listed_at))
@@ -408,11 +408,11 @@ contains
     call self%ghosts%invite(self%tiles, self%range, self%parcels, with_powder=allocated(self%parts))
     call self%search%build(self%parcels, self%skin + self%reach, self%list)
     call self%ahead%note(self%list, self%parcels)
-    call self%pairs%take_all(self%list)
+    call self%pairs%take_all(self%list, self%parcels%state)
     call self%walls%build(self%chamber, self%parcels, 0.5_wp*self%skin + self%reach)
     if (self%parcels%rotation) call self%history%restore(self%list, self%pairs, self%walls, self%parcels, self%step)
     if (allocated(self%parts)) then
-      call deal(self%list, self%pairs, self%laws, self%parcels%powder(1:self%parcels%n_all()), self%parts)
+      call deal(self%list, self%pairs, self%laws, self%parcels%powder(1:self%parcels%n_all()), self%parcels%state, self%parts)
     end if
     self%rebuilds = self%rebuilds + 1
   end subroutine make_lists

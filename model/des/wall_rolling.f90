@@ -1,7 +1,7 @@
 !> Resistance to rolling on walls.
 module wall_rolling
   use chamber, only: chamber_t
-  use contact_lanes, only: lanes
+  use contact_lanes, only: lanes, full_lanes
   use contact_law, only: contact_law_t
   use kinds, only: wp
   use parcels, only: parcels_t, mass_row, spin_row, curvature_row
@@ -27,7 +27,7 @@ contains
     integer :: m, n, i, w, full
 
     n = size(touching)
-    full = lanes*((n + lanes - 1)/lanes)
+    full = full_lanes(n)
     do m = 1, n
       w = touching(m)
       associate (s => parcels%state(:, self%parcel(w)))
@@ -37,7 +37,7 @@ contains
         push(:, m) = force(1:3, m)
       end associate
       if (law%rolling%spring) then
-        angle(:, m) = merge(self%angle(:, w), 0.0_wp, self%slip(4, w) >= law%linear%step - 1.5_wp)
+        angle(:, m) = merge(self%angle(:, w), 0.0_wp, self%slip(4, w) >= self%step - 1.5_wp)
       end if
     end do
     do m = n + 1, full

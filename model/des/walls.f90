@@ -6,7 +6,7 @@
 !> A wall of triangles has an entry for every triangle near a parcel. Those of one parcel follow each other, and which of them are
 !> contacts is found together.
 module walls
-  use contact_lanes, only: lanes, never
+  use contact_lanes, only: lanes, full_lanes, record_rows
   use contact_law, only: contact_law_t, friction_forces, frictionless_forces
   use contact_laws, only: contact_laws_t
   use kinds, only: wp
@@ -20,6 +20,7 @@ module walls
   private
   public :: wall_list_t
 
+  real(wp), parameter :: never = -1.0_wp  !< the last touch of what has not touched yet
   integer, parameter :: block_pairs = 64  !< contacts given to the law at a time
 
   !> Parcels that touch a wall or may do so before the list is made again.
@@ -391,12 +392,12 @@ contains
     real(wp), intent(inout) :: pair(8, block_pairs)    !< see contact_linear
     type(parcels_t), intent(inout) :: parcels
 
-    real(wp) :: spin(4, block_pairs), slip(4, block_pairs), force(8, block_pairs)
+    real(wp) :: spin(4, block_pairs), record(lanes, record_rows, block_pairs/lanes), force(8, block_pairs)
     real(wp) :: push(4, block_pairs), curvature(block_pairs)
     integer :: n, m, i, full
 
     n = size(touching)
-    full = lanes*((n + lanes - 1)/lanes)
+    full = full_lanes(n)
     do m = n + 1, full
       pair(:, m) = pair(:, n)
     end do
@@ -410,14 +411,19 @@ contains
       return
     end if
     do m = 1, full
-      spin(:, m) = parcels%state(9:12, self%parcel(touching(min(m, n))))
-      slip(:, m) = self%slip(:, touching(min(m, n)))
+      associate (w => touching(min(m, n)), l => 1 + modulo(m - 1, lanes), g => 1 + (m - 1)/lanes)
+        spin(:, m) = parcels%state(9:12, self%parcel(w))
+        record(l, 1:3, g) = merge(self%slip(1:3, w), 0.0_wp, self%slip(4, w) >= self%step - 1.5_wp)
+        record(l, 4, g) = 1/sqrt(pair(8, m))
+        record(l, 5, g) = 1/pair(4, m)
+      end associate
     end do
-    call friction_forces(law, full, pair, spin, slip, force)
+    call friction_forces(law, full, pair, spin, record, force)
     if (law%rolling%on) call roll(self%wall_entries_t, chamber, law, touching, pair, force, parcels)
     do m = 1, n
       i = self%parcel(touching(m))
-      self%slip(:, touching(m)) = slip(:, m)
+      self%slip(1:3, touching(m)) = record(1 + modulo(m - 1, lanes), 1:3, 1 + (m - 1)/lanes)
+      self%slip(4, touching(m)) = self%step
       parcels%force(:, i) = parcels%force(:, i) + force(:, m)
     end do
   end subroutine apply_law

@@ -259,7 +259,7 @@ contains
     v(:, 2) = [-0.3_wp, 0.0_wp, 0.05_wp]
     call put(smooth, x, v, [1.0e-3_wp, 1.3e-3_wp])
     call put(rough, x, v, [1.0e-3_wp, 1.3e-3_wp])
-    call expect(size(smooth%parcels%state, 1) == 8 .and. .not. allocated(smooth%pairs%slip), &
+    call expect(size(smooth%parcels%state, 1) == 8 .and. .not. allocated(smooth%pairs%record), &
                 'without friction there is no spin and no history')
     call run(smooth, 60, smooth%time_step_limit())
     call run(rough, 60, rough%time_step_limit())
