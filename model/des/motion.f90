@@ -7,17 +7,36 @@
 !>
 !> Dashpots need velocities of the middle of the step, where the forces are: those of its start with a lead of dt/2
 !> times the acceleration of the step before. While parcels advance, `state` holds velocities and spins with their lead,
-!> which contacts read, and `aside` holds them without; between advances `state` has them as they are and `aside` the lead.
+!> which contacts read, and `aside` holds them without; between advances `state` has them as they are and `aside` the lead. That of
+!> the first step is by the forces at its start.
 module motion
   use kinds, only: wp
-  use parcels, only: parcels_t, coupled_rows, frictional_rows, frictional_force_rows, frictionless_force_rows
+  use parcels, only: parcels_t, coupled_rows, drive_row, frictional_rows, frictional_force_rows, frictionless_force_rows
   implicit none
   private
-  public :: add_lead, take_lead, drift, kick_and_drift, farthest
+  public :: start_lead, add_lead, take_lead, drift, kick_and_drift, farthest
 
   real(wp), parameter :: per_inertia = 2.5_wp  !< W m r^2 / I of a sphere [-]
 
 contains
+
+  !> Leads by the forces where parcels are, which are forgotten.
+  pure subroutine start_lead(parcels, gravity, dt)
+    type(parcels_t), intent(inout) :: parcels
+    real(wp), intent(in) :: gravity(3)      !< the drive where there is no gas to give one [m/s2]
+    real(wp), intent(in) :: dt              !< [s]
+
+    real(wp) :: drive(3)
+    integer :: i
+
+    drive = gravity
+    do i = 1, parcels%n
+      if (parcels%with_gas) drive = parcels%coupled(drive_row:drive_row + 2, i)
+      parcels%aside(1:3, i) = 0.5_wp*dt*(parcels%state(8, i)*parcels%force(1:3, i) + drive)
+      if (parcels%rotation) parcels%aside(4:6, i) = 0.5_wp*dt*per_inertia*parcels%state(8, i)*parcels%force(5:7, i)
+      parcels%force(:, i) = 0.0_wp
+    end do
+  end subroutine start_lead
 
   !> Before parcels advance.
   pure subroutine add_lead(parcels)

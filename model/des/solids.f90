@@ -18,7 +18,7 @@ module solids
   use ghosts, only: ghosts_t
   use kinds, only: wp, i8
   use migration, only: settle_owners
-  use motion, only: add_lead, take_lead, drift, kick_and_drift, farthest
+  use motion, only: start_lead, add_lead, take_lead, drift, kick_and_drift, farthest
   use neighbours, only: search_t
   use outcome, only: outcome_t
   use parcel_extremes, only: widen_extremes
@@ -245,6 +245,7 @@ contains
 
     if (self%trouble%failed()) outcome = self%trouble
     if (outcome%failed() .or. steps == 0 .or. self%added == 0) return
+    if (.not. self%step > 0.0_wp) call start(self, dt)
     call add_lead(self%parcels)
     call drift(self%parcels, dt/2, fastest)
     call place_walls(self, dt/2)
@@ -259,6 +260,16 @@ contains
     end do
     call take_lead(self%parcels)
   end subroutine advance
+
+  !> Parcels that start have no step before: their lead is by the forces where they are. No time passes, so no contact slips.
+  subroutine start(self, dt)
+    class(solids_t), intent(inout) :: self
+    real(wp), intent(in) :: dt  !< of the steps that follow [s]
+
+    call begin_step(self, 0.0_wp)
+    call find_forces(self, [1, self%parcels%n])
+    call start_lead(self%parcels, self%chamber%gravity, dt)
+  end subroutine start
 
   !> Walls go along with the parcels, which are ahead of the time within a step.
   pure subroutine place_walls(self, ahead)
@@ -277,6 +288,7 @@ contains
 
     integer :: columns(2)
 
+    self%step = self%step + 1
     call begin_step(self, times(1))
     fastest = 0.0_wp
     energy = 0.0_wp
@@ -293,7 +305,6 @@ contains
     class(solids_t), intent(inout) :: self
     real(wp), intent(in) :: dt  !< [s]
 
-    self%step = self%step + 1
     call self%laws%set_step(dt)
     call begin_pairs(self%list, self%pairs, self%parts, self%parcels%state, [dt*self%speed, self%skin, typical_width(self)])
     self%walls%through = 0

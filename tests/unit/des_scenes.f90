@@ -108,11 +108,14 @@ contains
   end subroutine run
 
   !> Stiffness of a linear spring as steps of dt make it [N/m]: see contact_linear.
-  pure function softened(k, mass, dt)
-    real(wp), intent(in) :: k, mass, dt  !< [N/m], effective [kg], [s]
+  pure function softened(k, mass, restitution, dt)
+    real(wp), intent(in) :: k, mass, restitution, dt  !< [N/m], effective [kg], [-], [s]
     real(wp) :: softened
 
-    softened = k*(1 - k*dt**2/(12*mass))
+    real(wp) :: zeta
+
+    zeta = abs(log(restitution))/sqrt(acos(-1.0_wp)**2 + log(restitution)**2)
+    softened = k*(1 - (1.0_wp/12.0_wp - 2*zeta/3)*k*dt**2/mass)
   end function softened
 
 end module des_scenes

@@ -172,16 +172,16 @@ contains
 
   !> Friction sees the repulsion that balances the attraction: a ball without weight slides on a floor by mu F/m.
   subroutine friction_of_attraction()
-    real(wp), parameter :: mu = 0.3_wp, u = 0.01_wp, f = a*r/(6*near**2)
+    real(wp), parameter :: mu = 0.3_wp, e = 0.5_wp, u = 0.01_wp, f = a*r/(6*near**2)
     type(contact_settings_t) :: contact
     type(solids_t) :: ball
     real(wp) :: dt
 
-    contact = sticky(0.5_wp)
+    contact = sticky(e)
     contact%friction = mu
     ball = with_ball(comm, contact, 0.0_wp, [0.0_wp, 0.0_wp, 0.0_wp], [0.0_wp, 0.0_wp, 0.0_wp])
     dt = ball%time_step_limit()
-    ball = with_ball(comm, contact, 0.0_wp, [-2.0e-4_wp, 0.0_wp, r - f/softened(k, m, dt) - 0.5e-3_wp], [u, 0.0_wp, 0.0_wp])
+    ball = with_ball(comm, contact, 0.0_wp, [-2.0e-4_wp, 0.0_wp, r - f/softened(k, m, e, dt) - 0.5e-3_wp], [u, 0.0_wp, 0.0_wp])
     call run(ball, nint(0.1_wp*u*m/(mu*f)/dt), dt)
     call expect_close((u - ball%parcels%state(5, 1))/ball%time, mu*f/m, 1.0e-6_wp, 'friction of a ball that is attracted')
   end subroutine friction_of_attraction

@@ -177,7 +177,7 @@ contains
     lump = mesh_room(comm, 0.04_wp, -g*up, material(k, 0.3_wp, 0.0_wp), [mesh()], [new_surface(triangles)])
     call put(lump, column(bottom + 0.43_wp*along + radius/sin(0.5_wp*angle)*up), column(0*up), [2*radius])
     dt = lump%time_step_limit()
-    soft = softened(k, mass_of(2*radius), dt)
+    soft = softened(k, mass_of(2*radius), 0.3_wp, dt)
     height = (radius - mass_of(2*radius)*g/(2*sin(0.5_wp*angle)*soft))/sin(0.5_wp*angle)
     call run(lump, 20000, dt)
     s = find_statistics(lump)
