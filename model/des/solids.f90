@@ -113,13 +113,6 @@ contains
     call self%history%clear()
   end subroutine create
 
-  pure function given(key, default)
-    real(wp), intent(in) :: key, default
-    real(wp) :: given
-
-    given = merge(key, default, is_set(key))
-  end function given
-
   !> Put parcels into the chamber. All ranks take part; any of them may bring any parcel, but only one.
   subroutine add(self, position, velocity, diameter, weight, density, powder, id)
     class(solids_t), intent(inout) :: self
@@ -175,7 +168,7 @@ contains
                         self%lightest)
     if (.not. self%largest_radius > 0.0_wp) return
     self%smallest_radius = minval(self%smallest)
-    self%skin = given(self%numerics%skin, automatic_skin*typical_width(self))
+    self%skin = merge(self%numerics%skin, automatic_skin*typical_width(self), is_set(self%numerics%skin))
     self%range = 2*self%largest_radius + self%skin + self%reach
     call self%search%set_levels(self%smallest_radius, self%largest_radius)
     width = max(self%tile_width, self%range)
