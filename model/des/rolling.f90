@@ -56,7 +56,7 @@ contains
   !> Torques on i of n pairs (i, j), n a multiple of `lanes`; those on j are the opposite. A pair without a force has no angle.
   pure subroutine rolling_torques(rolling, dt, n, pair, turn, force, angle, torque)
     type(rolling_t), intent(in) :: rolling
-    real(wp), intent(in) :: dt              !< time step [s]
+    real(wp), intent(in) :: dt              !< time step, or 0 [s]
     integer, intent(in) :: n
     real(wp), intent(in) :: pair(8, n)      !< 1:3 x_i - x_j, 4 r_i + r_j [m]
     real(wp), intent(in) :: turn(5, n)      !< 1:3 omega_i - omega_j [rad/s], 4 1/R [1/m], 5 sum 1/(m r^2) [1/(kg m2)]
@@ -100,7 +100,7 @@ contains
       w = turn(3, k) - along*z
       speed = sqrt(max(u*u + v*v + w*w, tiny(speed)))
       f_n = abs(force(1, k)*x + force(2, k)*y + force(3, k)*z)*sqrt(per_square)
-      part = min(rolling%mu*f_n/(turn(4, k)*speed), share/(dt*per_inertia*turn(5, k)))
+      part = min(rolling%mu*f_n/(turn(4, k)*speed), share/max(dt*per_inertia*turn(5, k), tiny(part)))
       torque(1, k) = -part*u
       torque(2, k) = -part*v
       torque(3, k) = -part*w

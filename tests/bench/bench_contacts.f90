@@ -16,6 +16,7 @@ program bench_contacts
   use chamber, only: chamber_t
   use communicator, only: communicator_t, start_ranks, stop_ranks
   use constants, only: pi
+  use contact_lanes, only: full_lanes, record_rows
   use contact_settings, only: contact_settings_t
   use des_settings, only: des_settings_t
   use, intrinsic :: iso_fortran_env, only: int64
@@ -109,7 +110,6 @@ contains
       bed%contact%poisson_ratio = 0.25_wp
       bed%contact%impact_velocity = 0.1_wp
     case default
-      continue
     end select
     if (steps > 0) then
       call time_loop(bed)
@@ -442,7 +442,8 @@ contains
 
     associate (p => solids%parcels)
       bytes = p%n*(8_int64*(size(p%state, 1) + size(p%force, 1) + size(p%aside, 1) + 3 + 2 + 1) + 4) &
-              + solids%list%entries*8_int64 + solids%pairs%n*(12_int64 + merge(32, 0, p%rotation))
+              + solids%list%entries*8_int64 + solids%pairs%n*12_int64 &
+              + 8_int64*record_rows*full_lanes(merge(solids%pairs%n, 0, p%rotation))
     end associate
   end function bytes
 
