@@ -8,7 +8,7 @@
 !> With friction every close pair has a record, of which the slip is oriented from the row's parcel to the partner. A pair that
 !> does not touch has no slip. So of pairs apart, the law is also asked for those that touched in the step before.
 module close_pairs
-  use contact_lanes, only: lanes, full_lanes, record_rows
+  use contact_lanes, only: lanes, full_lanes, lane_of, group_of, record_rows
   use contact_list, only: contact_list_t
   use kinds, only: wp
   use parcels, only: radius_row, mass_row
@@ -98,7 +98,7 @@ contains
     integer, intent(in) :: pair
     real(wp), intent(in) :: state(:,:)  !< see parcels
 
-    associate (l => 1 + modulo(pair - 1, lanes), g => 1 + (pair - 1)/lanes, i => self%i(pair), j => self%j(pair))
+    associate (l => lane_of(pair), g => group_of(pair), i => self%i(pair), j => self%j(pair))
       self%record(l, 1:3, g) = 0.0_wp
       self%record(l, 4, g) = 1/sqrt(state(mass_row, i) + state(mass_row, j))
       self%record(l, 5, g) = 1/(state(radius_row, i) + state(radius_row, j))
@@ -112,7 +112,7 @@ contains
     integer, intent(in) :: pair
     logical :: remembers
 
-    associate (slip => self%record(1 + modulo(pair - 1, lanes), 1:3, 1 + (pair - 1)/lanes))
+    associate (slip => self%record(lane_of(pair), 1:3, group_of(pair)))
       remembers = any(abs(slip) > 0.0_wp)
     end associate
     if (self%with_angles) remembers = remembers .or. any(abs(self%angle(:, pair)) > 0.0_wp)
@@ -124,7 +124,7 @@ contains
     integer, intent(in) :: pair
     real(wp) :: memory(merge(6, 3, self%with_angles))
 
-    memory(1:3) = self%record(1 + modulo(pair - 1, lanes), 1:3, 1 + (pair - 1)/lanes)
+    memory(1:3) = self%record(lane_of(pair), 1:3, group_of(pair))
     if (self%with_angles) memory(4:6) = self%angle(:, pair)
   end function memory_of
 
@@ -134,7 +134,7 @@ contains
     integer, intent(in) :: pair
     real(wp), intent(in) :: memory(:)  !< as `memory_of`
 
-    self%record(1 + modulo(pair - 1, lanes), 1:3, 1 + (pair - 1)/lanes) = memory(1:3)
+    self%record(lane_of(pair), 1:3, group_of(pair)) = memory(1:3)
     if (self%with_angles) self%angle(:, pair) = memory(4:6)
     if (.not. self%tight) self%held(pair) = .true.
   end subroutine remind
@@ -242,8 +242,7 @@ contains
       end do
       if (p <= old%n) then
         if (old%entry(p) == self%entry(m)) then
-          self%record(1 + modulo(m - 1, lanes), :, 1 + (m - 1)/lanes) &
-            = old%record(1 + modulo(p - 1, lanes), :, 1 + (p - 1)/lanes)
+          self%record(lane_of(m), :, group_of(m)) = old%record(lane_of(p), :, group_of(p))
           if (self%with_angles) self%angle(:, m) = old%angle(:, p)
           if (.not. self%tight) self%held(m) = .true.
           cycle

@@ -2,7 +2,7 @@
 !> contacts do, and adds its attraction to what they have computed. Pairs of unlike materials come dealt by law: see contact_parts.
 module cohesion_sweep
   use chamber, only: chamber_t
-  use contact_lanes, only: lanes
+  use contact_lanes, only: lanes, full_lanes
   use cohesion, only: cohesion_t, attractions
   use contact_laws, only: contact_laws_t
   use contact_list, only: contact_list_t
@@ -41,7 +41,7 @@ contains
         k = entry(m)
         curvature(m) = 1/parcels%state(radius_row, list%row(k)) + 1/parcels%state(radius_row, list%partner(k))
       end do
-      full = lanes*((n + lanes - 1)/lanes)
+      full = full_lanes(n)
       do m = n + 1, full
         near(:, m) = near(:, n)
         curvature(m) = curvature(n)

@@ -13,7 +13,7 @@
 !> The contact point is that of contact_linear. Steps damp too much here, too, so dashpots are divided by 1 + (5/12 + zeta)
 !> S dt^2/m_eff, found by trial; they set in gently, and springs are as they are.
 module contact_hertz
-  use contact_lanes, only: lanes, record_rows, turn_eight, turn_four
+  use contact_lanes, only: lanes, group_of, record_rows, turn_eight, turn_four
   use contact_linear, only: damping_ratio
   use kinds, only: wp
   implicit none
@@ -100,7 +100,7 @@ contains
     integer :: k
 
     do k = 1, n, lanes
-      call eight_with_friction(law, pair(:, k:k + lanes - 1), spin(:, k:k + lanes - 1), record(:, :, 1 + k/lanes), forces)
+      call eight_with_friction(law, pair(:, k:k + lanes - 1), spin(:, k:k + lanes - 1), record(:, :, group_of(k)), forces)
       call turn_eight(forces, force(:, k:k + lanes - 1))
     end do
   end subroutine hertz_friction_forces
@@ -124,7 +124,7 @@ contains
       y = pair(2, k)
       z = pair(3, k)
       square = x*x + y*y + z*z
-      touch = merge(1.0_wp, 0.0_wp, square < pair(4, k)*pair(4, k))
+      touch = 0.5_wp - sign(0.5_wp, square - pair(4, k)*pair(4, k))  ! a condition could split the loop
       per_d = 1/sqrt(square)
       per_reach = record(k, 5)
 
@@ -133,7 +133,7 @@ contains
       s = 2*law%modulus*sqrt(delta/spin(4, k))
       gamma_n = touch*law%damping*sqrt(s)*record(k, 4)/(1 + excess*s*pair(8, k))
       v_n = (pair(5, k)*x + pair(6, k)*y + pair(7, k)*z)*per_d
-      f_n = touch*((2.0_wp/3.0_wp)*s*delta - gamma_n*v_n)
+      f_n = (2.0_wp/3.0_wp)*s*delta - gamma_n*v_n
       k_t = law%shear*s
       gamma_t = law%tangential*gamma_n
 
@@ -157,7 +157,7 @@ contains
       f_y = -(k_t*b + gamma_t*t_y)
       f_z = -(k_t*c + gamma_t*t_z)
       cap = law%mu*abs(f_n)/sqrt(max(f_x*f_x + f_y*f_y + f_z*f_z, tiny(cap)))
-      cap = min(cap, touch)
+      cap = min(cap, 1.0_wp)
       back = gamma_t/k_t*(cap - 1)
       record(k, 1) = cap*a + back*t_x
       record(k, 2) = cap*b + back*t_y

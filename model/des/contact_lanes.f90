@@ -3,7 +3,7 @@ module contact_lanes
   use kinds, only: wp
   implicit none
   private
-  public :: lanes, full_lanes, record_rows, turn_eight, turn_four
+  public :: lanes, full_lanes, lane_of, group_of, record_rows, turn_eight, turn_four
 
   integer, parameter :: lanes = 8            !< pairs computed at a time
 
@@ -21,6 +21,22 @@ contains
 
     full_lanes = lanes*((n + lanes - 1)/lanes)
   end function full_lanes
+
+  !> The lane of the n-th pair.
+  elemental function lane_of(n)
+    integer, intent(in) :: n
+    integer :: lane_of
+
+    lane_of = 1 + modulo(n - 1, lanes)
+  end function lane_of
+
+  !> The group of lanes that has the n-th pair.
+  elemental function group_of(n)
+    integer, intent(in) :: n
+    integer :: group_of
+
+    group_of = 1 + (n - 1)/lanes
+  end function group_of
 
   !> Rows for pairs from rows for components.
   pure subroutine turn_eight(from, to)

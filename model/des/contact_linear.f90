@@ -26,7 +26,7 @@
 !> on the other, 1/2 + delta/(v dt) steps of the dashpot. Not so the tangential one, of which the slip keeps account.
 module contact_linear
   use constants, only: pi
-  use contact_lanes, only: lanes, record_rows, turn_eight, turn_four
+  use contact_lanes, only: lanes, group_of, record_rows, turn_eight, turn_four
   use kinds, only: wp
   implicit none
   private
@@ -118,7 +118,7 @@ contains
     integer :: k
 
     do k = 1, n, lanes
-      call eight_with_friction(law, pair(:, k:k + lanes - 1), spin(:, k:k + lanes - 1), record(:, :, 1 + k/lanes), forces)
+      call eight_with_friction(law, pair(:, k:k + lanes - 1), spin(:, k:k + lanes - 1), record(:, :, group_of(k)), forces)
       call turn_eight(forces, force(:, k:k + lanes - 1))
     end do
   end subroutine linear_friction_forces
@@ -134,22 +134,22 @@ contains
     real(wp), intent(out) :: forces(lanes, 8)
 
     real(wp), dimension(lanes) :: x, y, z, per_d, delta, gamma_n, v_n, u, v, w, inverse, f_n, way
-    real(wp), dimension(lanes) :: t_x, t_y, t_z, a, b, c, f_x, f_y, f_z, gamma_t
-    real(wp) :: square, touch, q, push, next, part, along, trial, share, cap, back
+    real(wp), dimension(lanes) :: t_x, t_y, t_z, a, b, c, f_x, f_y, f_z, gamma_t, touch
+    real(wp) :: square, q, push, next, part, along, trial, share, cap, back
     integer :: k
 
     ! Distance, and dashpots.
-    !$omp simd simdlen(8) private(square, touch, q)
+    !$omp simd simdlen(8) private(square, q)
     do k = 1, lanes
       x(k) = pair(1, k)
       y(k) = pair(2, k)
       z(k) = pair(3, k)
       square = x(k)*x(k) + y(k)*y(k) + z(k)*z(k)
-      touch = merge(1.0_wp, 0.0_wp, square < pair(4, k)*pair(4, k))
+      touch(k) = 0.5_wp - sign(0.5_wp, square - pair(4, k)*pair(4, k))  ! a condition could split the loop
       per_d(k) = 1/sqrt(square)
-      delta(k) = touch*max(pair(4, k) - square*per_d(k), 0.0_wp)
+      delta(k) = max(pair(4, k) - square*per_d(k), 0.0_wp)
       q = law%excess*pair(8, k)
-      gamma_n(k) = touch*law%damping*record(k, 4)*(1 - q*(1 - q))
+      gamma_n(k) = law%damping*record(k, 4)*(1 - q*(1 - q))
       u(k) = pair(5, k)
       v(k) = pair(6, k)
       w(k) = pair(7, k)
@@ -160,8 +160,9 @@ contains
     !$omp simd simdlen(8) private(push, next)
     do k = 1, lanes
       v_n(k) = (u(k)*x(k) + v(k)*y(k) + w(k)*z(k))*per_d(k)
+      gamma_n(k) = touch(k)*gamma_n(k)
       gamma_t(k) = law%tangential*gamma_n(k)
-      push = law%k_n*delta(k)*(1 - law%soft*inverse(k))
+      push = touch(k)*law%k_n*delta(k)*(1 - law%soft*inverse(k))
       next = v_n(k) + 0.5_wp*law%dt*inverse(k)*(push - gamma_n(k)*v_n(k))
       way(k) = law%dt*merge(next, -v_n(k), next > -v_n(k))
       way(k) = max(merge(way(k), delta(k), way(k) > delta(k)), least)

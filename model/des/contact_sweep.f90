@@ -5,7 +5,7 @@
 !> touch, in no order a processor could foresee; so those that do are selected without a branch.
 module contact_sweep
   use close_pairs, only: close_pairs_t, pair_ways
-  use contact_lanes, only: lanes, full_lanes, record_rows
+  use contact_lanes, only: lanes, full_lanes, lane_of, group_of, record_rows
   use contact_law, only: contact_law_t, friction_forces, frictionless_forces
   use kinds, only: wp
   use parcels, only: frictional_rows, frictionless_rows, radius_row, mass_row, spin_row, curvature_row
@@ -37,24 +37,23 @@ contains
       if (pairs%tight) then
         if (pairs%with_angles) then
           call add_friction(law, next - first, pairs%i(first:next - 1), pairs%j(first:next - 1), state, &
-                            pairs%record(:, :, 1 + first/lanes:), pairs%angle(:, first:), force)
+                            pairs%record(:, :, group_of(first):), pairs%angle(:, first:), force)
         else
           call add_friction(law, next - first, pairs%i(first:next - 1), pairs%j(first:next - 1), state, &
-                            pairs%record(:, :, 1 + first/lanes:), angle, force)
+                            pairs%record(:, :, group_of(first):), angle, force)
         end if
       else
         call select_pairs(frictional_rows, state, pairs, first, next - first, n, i, j, k)
         do m = 1, full_lanes(n)
           associate (p => k(min(m, n)))
-            record(1 + modulo(m - 1, lanes), :, 1 + (m - 1)/lanes) = pairs%record(1 + modulo(p - 1, lanes), :, 1 + (p - 1)/lanes)
+            record(lane_of(m), :, group_of(m)) = pairs%record(lane_of(p), :, group_of(p))
             if (law%rolling%spring) angle(:, m) = pairs%angle(:, p)
           end associate
         end do
         call add_friction(law, n, i, j, state, record, angle, force)
         do m = 1, n
           associate (p => k(m))
-            pairs%record(1 + modulo(p - 1, lanes), 1:3, 1 + (p - 1)/lanes) &
-              = record(1 + modulo(m - 1, lanes), 1:3, 1 + (m - 1)/lanes)
+            pairs%record(lane_of(p), 1:3, group_of(p)) = record(lane_of(m), 1:3, group_of(m))
             if (law%rolling%spring) pairs%angle(:, p) = angle(:, m)
           end associate
         end do

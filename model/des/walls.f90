@@ -6,7 +6,7 @@
 !> A wall of triangles has an entry for every triangle near a parcel. Those of one parcel follow each other, and which of them are
 !> contacts is found together.
 module walls
-  use contact_lanes, only: lanes, full_lanes, record_rows
+  use contact_lanes, only: lanes, full_lanes, lane_of, group_of, record_rows
   use contact_law, only: contact_law_t, friction_forces, frictionless_forces
   use contact_laws, only: contact_laws_t
   use kinds, only: wp
@@ -411,7 +411,7 @@ contains
       return
     end if
     do m = 1, full
-      associate (w => touching(min(m, n)), l => 1 + modulo(m - 1, lanes), g => 1 + (m - 1)/lanes)
+      associate (w => touching(min(m, n)), l => lane_of(m), g => group_of(m))
         spin(:, m) = parcels%state(9:12, self%parcel(w))
         record(l, 1:3, g) = merge(self%slip(1:3, w), 0.0_wp, self%slip(4, w) >= self%step - 1.5_wp)
         record(l, 4, g) = 1/sqrt(pair(8, m))
@@ -422,7 +422,7 @@ contains
     if (law%rolling%on) call roll(self%wall_entries_t, chamber, law, touching, pair, force, parcels)
     do m = 1, n
       i = self%parcel(touching(m))
-      self%slip(1:3, touching(m)) = record(1 + modulo(m - 1, lanes), 1:3, 1 + (m - 1)/lanes)
+      self%slip(1:3, touching(m)) = record(lane_of(m), 1:3, group_of(m))
       self%slip(4, touching(m)) = self%step
       parcels%force(:, i) = parcels%force(:, i) + force(:, m)
     end do

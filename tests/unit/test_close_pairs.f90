@@ -1,4 +1,4 @@
-!> No contact is seen late although close pairs are chosen only now and then, and all are swept alike.
+!> No contact is seen late although close pairs are chosen only now and then, all are swept alike, and who parts forgets.
 !> ranks: 1
 program test_close_pairs
   use check, only: expect, finish
@@ -16,6 +16,8 @@ program test_close_pairs
   call head_on(friction=0.0_wp, name='without friction')
   call head_on(friction=0.3_wp, name='with friction')
   call many_alike()
+  call parted(way=1.0e-3_wp, tight=.true., name='where pairs are tight')
+  call parted(way=1.0e-2_wp, tight=.false., name='where all listed pairs are close')
   call finish()
   call stop_ranks()
 
@@ -100,5 +102,44 @@ contains
     call expect(tight .and. .not. outcome%failed() .and. norm2(first(4:6)) > 0.01_wp*speed, 'glancing pairs turn')
     call expect(off < 1e-9_wp*speed, 'pairs alike move alike')
   end subroutine many_alike
+
+  !> A glancing pair has a slip while it touches, and none in the step after.
+  subroutine parted(way, tight, name)
+    real(wp), intent(in) :: way        !< of a ball in a step, over its diameter [-]
+    logical, intent(in) :: tight       !< how its pairs are close then
+    character(len=*), intent(in) :: name
+
+    real(wp), parameter :: d = 1.0e-3_wp
+    type(solids_t) :: balls
+    type(contact_settings_t) :: contact
+    type(outcome_t) :: outcome
+    real(wp) :: x(3, 2), v(3, 2), dt
+    logical :: touches, touched, alike
+
+    contact%stiffness = 200.0_wp
+    contact%friction = 0.3_wp
+    balls = scene(comm, [0.01_wp, 0.01_wp, 0.01_wp], 0.0_wp, contact)
+    x(:, 1) = 0.005_wp
+    x(:, 2) = x(:, 1) + 1.02_wp*d*[0.8_wp, 0.6_wp, 0.0_wp]
+    v = 0.0_wp
+    call put(balls, x, v, [d, d])
+    dt = balls%time_step_limit()
+    balls%parcels%state(5, 1:2) = way*d/dt*[1, -1]
+    touched = .false.
+    alike = .true.
+    do
+      call balls%advance(1, dt, outcome)
+      associate (z => balls%parcels%state(1:3, 1:2) - 0.5_wp*dt*balls%parcels%state(5:7, 1:2))
+        touches = norm2(z(:, 2) - z(:, 1)) < d   ! in the middle of the step, where forces are
+        if (outcome%failed() .or. (touched .and. .not. touches)) exit
+        if (touches) alike = alike .and. balls%pairs%n == 1 .and. (balls%pairs%tight .eqv. tight)
+        touched = touches
+      end associate
+      if (touched .and. balls%pairs%n > 0) alike = alike .and. balls%pairs%remembers(1)
+    end do
+    call expect(touched .and. alike .and. .not. outcome%failed(), 'a glancing pair has a slip '//name)
+    if (balls%pairs%n > 0) alike = .not. balls%pairs%remembers(1)
+    call expect(alike, 'and none once parted '//name)
+  end subroutine parted
 
 end program test_close_pairs
