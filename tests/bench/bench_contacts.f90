@@ -443,7 +443,7 @@ contains
     associate (p => solids%parcels)
       bytes = p%n*(8_int64*(size(p%state, 1) + size(p%force, 1) + size(p%aside, 1) + 3 + 2 + 1) + 4) &
               + solids%list%entries*8_int64 + solids%pairs%n*12_int64 &
-              + 8_int64*record_rows*full_lanes(merge(solids%pairs%n, 0, p%rotation))
+              + (8_int64*record_rows + 1)*full_lanes(merge(solids%pairs%n, 0, p%rotation))
     end associate
   end function bytes
 
