@@ -17,7 +17,7 @@ program test_close_pairs
   call head_on(friction=0.3_wp, name='with friction')
   call many_alike()
   call parted(way=1.0e-3_wp, tight=.true., name='where pairs are tight')
-  call parted(way=1.0e-2_wp, tight=.false., name='where all listed pairs are close')
+  call parted(way=2.0e-2_wp, tight=.false., name='where all listed pairs are close')
   call finish()
   call stop_ranks()
 

@@ -61,7 +61,7 @@ contains
     call check_value('border_'//law, worst, 0.0_wp)
   end subroutine across_border
 
-  !> Pair i about its place in the lattice, 0.1 mm apart, that comes together at 1 m/s.
+  !> Pair i near its place in the lattice, as tiles may lie like the lattice, 0.1 mm apart; it comes together at 1 m/s.
   pure subroutine pair(i, x, v)
     integer, intent(in) :: i
     real(wp), intent(out) :: x(3, 2), v(3, 2)
@@ -71,7 +71,8 @@ contains
     along = [sin(1.7_wp*i), cos(2.9_wp*i), sin(0.6_wp*i + 1)]
     along = along/norm2(along)
     aside = [along(2), -along(1), 0.0_wp]
-    middle = pitch*([modulo(i - 1, side), modulo((i - 1)/side, side), (i - 1)/side**2] + 0.5_wp)
+    middle = pitch*([modulo(i - 1, side), modulo((i - 1)/side, side), (i - 1)/side**2] + 0.5_wp &
+                    + 0.15_wp*sin(i*[1.1_wp, 2.3_wp, 3.7_wp]))
     x(:, 1) = middle - 0.55e-3_wp*along
     x(:, 2) = middle + 0.55e-3_wp*along
     v(:, 1) = 0.5_wp*along + 0.2_wp*aside
