@@ -7,6 +7,8 @@ program test_des_contact
   use contact_settings, only: contact_settings_t
   use des_scenes, only: scene, put, place_of, run, softened
   use kinds, only: wp
+  use motion, only: start_lead
+  use parcels, only: parcels_t
   use solids, only: solids_t
   implicit none
 
@@ -21,6 +23,7 @@ program test_des_contact
   call collision([1.0e-3_wp, 1.0e-3_wp], [1.0_wp, 1.0_wp], 0.9_wp, 'equal')
   call collision([1.0e-3_wp, 1.7e-3_wp], [1.0_wp, 1.0_wp], 0.7_wp, 'unequal')
   call collision([1.0e-3_wp, 0.5e-3_wp], [1.0_wp, 27.0_wp], 0.8_wp, 'of unequal weight')
+  call first_lead()
   call coarse_steps(0.9_wp)
   call coarse_steps(0.5_wp)
   call coarse_steps(0.3_wp)
@@ -176,6 +179,23 @@ contains
                         'momentum of parcels '//which)
     end associate
   end subroutine collision
+
+  !> The lead of the first step is half a step of the accelerations at its start; for spins, which are times the radius, 5/2 of
+  !> torque over radius and mass.
+  subroutine first_lead()
+    real(wp), parameter :: dt = 1.0e-4_wp, mass = 2.0_wp, f(3) = [1.0_wp, -2.0_wp, 3.0_wp], t(3) = [-4.0_wp, 5.0_wp, 6.0_wp]
+    real(wp), parameter :: down(3) = [0.0_wp, 0.0_wp, -9.81_wp]
+    type(parcels_t) :: parcels
+
+    call parcels%create(rotation=.true., with_gas=.false.)
+    parcels%n = 1
+    parcels%state(8, 1) = 1/mass
+    parcels%force(:, 1) = [f, 0.0_wp, t, 0.0_wp]
+    call start_lead(parcels, down, dt)
+    call expect_close(norm2(parcels%aside(1:3, 1) - dt/2*(f/mass + down))/dt, 0.0_wp, 1.0e-14_wp, 'the lead at the start')
+    call expect_close(norm2(parcels%aside(4:6, 1) - dt/2*2.5_wp*t/mass)/dt, 0.0_wp, 1.0e-14_wp, 'and that of the spin')
+    call expect(all(abs(parcels%force(:, 1)) <= 0.0_wp), 'after which the forces are forgotten')
+  end subroutine first_lead
 
   !> With 20 steps in a collision restitution is still that asked for, on the mean over where in a step the
   !> collision begins.
