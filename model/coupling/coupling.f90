@@ -20,6 +20,7 @@ module coupling
   use gas, only: gas_t
   use gas_settings, only: gas_settings_t
   use kinds, only: wp
+  use local_sizes, only: local_sizes_t
   use mapping, only: locate, interpolate, deposit, deposit_sources, lanes, source_lanes
   use mesh, only: mesh_t
   use parcels, only: parcels_t, velocity_row, mass_row, drive_row, drag_row, before_row
@@ -62,6 +63,7 @@ module coupling
     real(wp) :: slack                       !< [m]
     type(window_t) :: window
     type(transfer_t) :: transfer
+    type(local_sizes_t), allocatable, public :: sizes  !< of the particles around each; exists with polydispersity
     real(wp), allocatable :: box_field(:,:,:,:)  !< (lanes,n1,n2,n3) what parcels read
     real(wp), allocatable :: box_vector(:,:,:,:)  !< (3,n1,n2,n3)
     real(wp), allocatable :: box_source(:,:,:,:)  !< (source_lanes,n1,n2,n3) what parcels add to
@@ -95,7 +97,7 @@ contains
     self%mesh = mesh
     self%boxes = boxes
     self%minimum_void_fraction = settings%minimum_void_fraction
-    self%drag_law = new_drag(trim(settings%drag), gas_settings%density, gas_settings%viscosity)
+    self%drag_law = new_drag(settings, gas_settings%density, gas_settings%viscosity)
     self%gravity = gravity
     associate (n => boxes%n)
       allocate (self%box_field(lanes, n(1), n(2), n(3)), source=0.0_wp)
@@ -104,6 +106,9 @@ contains
       allocate (self%box_volume(n(1), n(2), n(3)), source=0.0_wp)
     end associate
     allocate (self%corner(0), self%fraction(3, 0), self%response(4, 0))
+    if (settings%polydispersity == 'none') return
+    allocate (self%sizes)
+    call self%sizes%create(boxes)
   end subroutine create
 
   !> Make the window and the plan of transfer anew if the tiles have other owners than before; all ranks together,
@@ -156,6 +161,8 @@ contains
     call record_clipping(self, total)
     n = self%boxes%n
     gas%eps(1:n(1), 1:n(2), 1:n(3)) = max(self%box_volume, self%minimum_void_fraction)
+    if (allocated(self%sizes)) call self%sizes%measure(self%window, self%transfer, parcels, self%corner(:self%n), &
+                                                       self%fraction(:, :self%n))
   end subroutine map_void_fraction
 
   !> Room for the places of n parcels.
@@ -253,6 +260,10 @@ contains
         error stop 'coupling: a parcel reads cells that its rank does not hold'
       end if
       call meet(parcels, self%gravity, first, n, value, particles)
+      if (allocated(self%sizes)) then
+        particles%mean_diameter(:n) = self%sizes%mean(first:first + n - 1)
+        particles%spread(:n) = self%sizes%spread(first:first + n - 1)
+      end if
       call self%drag_law%respond(dt, particles)
       do i = 1, n
         k = first + i - 1

@@ -1,15 +1,21 @@
 !> The &coupling group: what gas and parcels do to each other.
 module coupling_settings
   use case_keys, only: keys_t
+  use drag_syamlal_obrien, only: continuous_d1
   use kinds, only: wp
-  use text, only: word_length
+  use text, only: brief, word_length
   implicit none
   private
   public :: coupling_settings_t, declare_coupling
 
+  real(wp), parameter :: largest_jump = 0.01_wp  !< of Syamlal and O'Brien's law at its switch
+
   type :: coupling_settings_t
-    character(len=word_length) :: drag = 'gidaspow'  !< 'gidaspow' | 'beetstra'
-    real(wp) :: minimum_void_fraction = 0.3_wp       !< the gas never sees less [-]
+    character(len=word_length) :: drag = 'gidaspow'      !< one of drag_law's law_names
+    real(wp) :: syamlal_c1 = 0.8_wp                      !< of syamlal_obrien [-]
+    real(wp) :: syamlal_d1 = 2.65_wp                     !< of syamlal_obrien [-]
+    character(len=word_length) :: polydispersity = 'none'  !< or 'beetstra', 'yin_sundaresan', 'cello': see sizes_*
+    real(wp) :: minimum_void_fraction = 0.3_wp           !< the gas never sees less [-]
   end type coupling_settings_t
 
 contains
@@ -19,8 +25,42 @@ contains
     type(coupling_settings_t), intent(inout) :: settings
     type(keys_t), intent(inout) :: keys
 
-    call keys%get('drag', settings%drag, 'drag law', 'gidaspow | beetstra')
+    call keys%get('drag', settings%drag, 'drag law', 'wen_yu | ergun | gidaspow | gidaspow_blend | syamlal_obrien | beetstra '// &
+                  '| tang | tenneti | koch_hill | di_felice | di_felice_sn | rong | cello')
+    call declare_syamlal(settings, keys)
+    call keys%get('polydispersity', settings%polydispersity, 'drag among particles of several sizes: none: as if all were of '// &
+                  'the particle''s own size; else by its size over the mean around it', &
+                  'none | beetstra | yin_sundaresan | cello')
+    select case (settings%polydispersity)
+    case ('beetstra')
+      call keys%require(any(settings%drag == [character(len=9) :: 'beetstra', 'tang', 'tenneti', 'koch_hill']), 'polydispersity', &
+                        'goes with drag = ''beetstra'', ''tang'', ''tenneti'' or ''koch_hill''')
+    case ('yin_sundaresan')
+      call keys%require(settings%drag == 'beetstra', 'polydispersity', 'goes with drag = ''beetstra''')
+    case ('cello')
+      call keys%require(settings%drag == 'cello', 'polydispersity', 'goes with drag = ''cello''')
+    end select
     call keys%get('minimum_void_fraction', settings%minimum_void_fraction, 'the gas never sees less [-]', '[0.05, 0.6]')
   end subroutine declare_coupling
+
+  !> The constants to be tuned of Syamlal and O'Brien's law.
+  subroutine declare_syamlal(settings, keys)
+    type(coupling_settings_t), intent(inout) :: settings
+    type(keys_t), intent(inout) :: keys
+
+    real(wp) :: wanted
+
+    call keys%get('syamlal_c1', settings%syamlal_c1, 'syamlal_obrien: to be set for the velocity of minimum fluidization [-]', &
+                  '[0.1, 1.2]')
+    call keys%get('syamlal_d1', settings%syamlal_d1, 'syamlal_obrien: so that c1 0.85^1.28 = 0.85^d1 [-]', '[0, 20]')
+    if (settings%drag == 'syamlal_obrien') then
+      wanted = continuous_d1(settings%syamlal_c1)
+      call keys%require(abs(0.85_wp**(settings%syamlal_d1 - wanted) - 1.0_wp) <= largest_jump, 'syamlal_d1', &
+                        'makes the law jump at a void fraction of 0.85: '//brief(wanted)//' does not')
+    else
+      call keys%require(.not. keys%given('syamlal_c1'), 'syamlal_c1', 'belongs to drag = ''syamlal_obrien''')
+      call keys%require(.not. keys%given('syamlal_d1'), 'syamlal_d1', 'belongs to drag = ''syamlal_obrien''')
+    end if
+  end subroutine declare_syamlal
 
 end module coupling_settings

@@ -15,10 +15,10 @@ module mapping
   use window, only: window_t
   implicit none
   private
-  public :: locate, interpolate, deposit, deposit_sources, lanes, source_lanes
+  public :: locate, interpolate, interpolate_sources, deposit, deposit_sources, lanes, source_lanes
 
   integer, parameter :: lanes = 8         !< components of a field to interpolate: one line of cache
-  integer, parameter :: source_lanes = 4  !< components of a source to deposit
+  integer, parameter :: source_lanes = 4  !< components of a source to deposit, or of what is known of sizes
 
 contains
 
@@ -98,6 +98,28 @@ contains
       value(:, i) = total
     end do
   end subroutine interpolate
+
+  !> The same for the components of a source.
+  pure subroutine interpolate_sources(window, corner, fraction, field, value)
+    type(window_t), intent(in) :: window
+    integer, intent(in) :: corner(:)                             !< (n)
+    real(wp), intent(in) :: fraction(:,:)                        !< (3,n)
+    real(wp), intent(in) :: field(source_lanes, window%cells())  !< any unit
+    real(wp), intent(inout) :: value(source_lanes, size(corner))
+
+    integer :: i, k, step(8)
+    real(wp) :: w(8), total(source_lanes)
+
+    step = steps(window)
+    do i = 1, size(corner)
+      w = weights(fraction(:, i))
+      total = 0.0_wp
+      do k = 1, 8
+        total = total + w(k)*field(:, corner(i) + step(k))
+      end do
+      value(:, i) = total
+    end do
+  end subroutine interpolate_sources
 
   !> Share an amount of each place among its cells.
   pure subroutine deposit(window, corner, fraction, amount, field)

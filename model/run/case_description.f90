@@ -109,9 +109,24 @@ contains
     call describe_walls(case, unit)
     call describe_contact(case, unit)
     call describe_steps(case, shortest_contact(case, plans), unit)
-    if (case%with_gas) call line(unit, 'coupling', 'drag of '//trim(case%coupling%drag)//'; the gas sees a void fraction of ' &
-                                 //shown(case%coupling%minimum_void_fraction)//' or more')
+    if (case%with_gas) call describe_coupling(case, unit)
   end subroutine describe_parcels
+
+  subroutine describe_coupling(case, unit)
+    type(case_t), intent(in) :: case
+    integer, intent(in) :: unit
+
+    character(len=:), allocatable :: text
+
+    associate (coupling => case%coupling)
+      text = 'drag of '//trim(coupling%drag)
+      if (coupling%drag == 'syamlal_obrien') text = text//' with c1 '//shown(coupling%syamlal_c1)//' and d1 ' &
+                                                    //shown(coupling%syamlal_d1)
+      if (coupling%polydispersity /= 'none') text = text//', by size over the mean around ('//trim(coupling%polydispersity)//')'
+      call line(unit, 'coupling', text//'; the gas sees a void fraction of '//shown(coupling%minimum_void_fraction)//' or more')
+      if (coupling%polydispersity == 'beetstra') call line(unit, '', 'particles of one size only would feel 1.064 times the drag')
+    end associate
+  end subroutine describe_coupling
 
   subroutine describe_walls(case, unit)
     type(case_t), intent(in) :: case

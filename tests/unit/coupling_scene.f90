@@ -34,7 +34,7 @@ module coupling_scene
 contains
 
   !> A domain of edges 1, 2, 1 times `scale` with gas at rest.
-  subroutine build(comm, scale, n, periodic, drag, scene, gas_density)
+  subroutine build(comm, scale, n, periodic, drag, scene, gas_density, polydispersity)
     type(communicator_t), intent(in) :: comm
     real(wp), intent(in) :: scale  !< [m]
     integer, intent(in) :: n(3)
@@ -42,6 +42,7 @@ contains
     character(len=*), intent(in) :: drag
     type(scene_t), intent(out) :: scene
     real(wp), intent(in), optional :: gas_density  !< `density` unless given [kg/m3]
+    character(len=*), intent(in), optional :: polydispersity  !< 'none' unless given
 
     type(coupling_settings_t) :: settings
     type(gas_settings_t) :: gas_settings
@@ -55,6 +56,7 @@ contains
     call new_boxes(comm, n, periodic, scene%boxes, outcome)
     scene%tiles = new_tiles(comm, spread(0.0_wp, 1, 3), upper, periodic, scale*[0.17_wp, 0.19_wp, 0.23_wp])
     settings%drag = drag
+    if (present(polydispersity)) settings%polydispersity = polydispersity
     gas_settings%density = density
     if (present(gas_density)) gas_settings%density = gas_density
     gas_settings%viscosity = viscosity

@@ -3,8 +3,7 @@ module lone_grain
   use communicator, only: communicator_t
   use constants, only: pi
   use coupling_scene, only: scene_t, build, add, step, set_gas, gravity, viscosity, density
-  use drag_beetstra, only: beetstra
-  use drag_gidaspow, only: gidaspow
+  use drag_law, only: drag_law_t, new_drag_law
   use kinds, only: wp
   use parcels, only: velocity_row
   implicit none
@@ -29,15 +28,17 @@ contains
     character(len=*), intent(in) :: drag
     real(wp) :: w
 
+    type(drag_law_t) :: law
     real(wp) :: low, high, force, reynolds
     integer :: i
 
+    law = new_drag_law(drag)
     low = 0.0_wp
     high = 100.0_wp
     do i = 1, 80
       w = (low + high)/2
       reynolds = density*w*diameter/viscosity
-      force = 3*pi*viscosity*diameter*w*merge(gidaspow(reynolds, 1.0_wp), beetstra(reynolds, 1.0_wp), drag == 'gidaspow')
+      force = 3*pi*viscosity*diameter*w*law%factor_at(reynolds, 1.0_wp)
       if (force < -gravity(2)*solid_density*pi/6*diameter**3) then
         low = w
       else

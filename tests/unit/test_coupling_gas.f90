@@ -5,6 +5,7 @@ program test_coupling_gas
   use check, only: expect, expect_close, finish
   use communicator, only: communicator_t, start_ranks, stop_ranks
   use constants, only: pi
+  use coupling_settings, only: coupling_settings_t
   use coupling_scene, only: scene_t, build, add, set_gas, gravity, viscosity, density
   use drag_response, only: drag_t, particles_t, new_drag
   use gas, only: new_gas
@@ -197,11 +198,12 @@ contains
     real(wp), intent(in) :: dt, d, solid_density, solids
     real(wp), intent(inout) :: u, v
 
+    type(coupling_settings_t) :: settings
     type(drag_t) :: drag
     type(particles_t) :: grain
     real(wp) :: x, mass_ratio, r, lead
 
-    drag = new_drag('gidaspow', density, viscosity)
+    drag = new_drag(settings, density, viscosity)
     grain%n = 1
     grain%diameter(1) = d
     grain%inverse_mass(1) = 1/(solid_density*pi/6*d**3)
