@@ -8,9 +8,8 @@
 !>
 !> F is the drag force over 3 pi mu d eps |w|, w the slip u_g - v, Re = rho_g eps |w| d/mu; the pressure-gradient
 !> force stands beside it (model A). PhasicFlowPlus lacks the -1 of K_2: a sphere alone would feel twice Stokes' drag.
-!> The denominator of K_3 vanishes at Re = 890 for eps = 0.3, at Re = 1900 for eps = 0.4. So K_3 never sees an eps below 0.38
-!> (where F would change by 2 % at Re = 100), and beyond Re = 1000 K_2 and K_3 grow as Re: a drag coefficient that does not
-!> change any more.
+!> The denominator of K_3 vanishes at Re = 890 for eps = 0.3, at Re = 1900 for eps = 0.4. So K_3 never sees an eps below 0.36,
+!> close packing, and beyond Re = 1000 K_2 and K_3 grow as Re: a drag coefficient that does not change any more.
 !>
 !> Source: Cello, Di Renzo, Di Maio, A semi-empirical model for the drag force and fluid-particle interaction in polydisperse
 !> suspensions, Chem. Eng. Sci. 65 (2010) 3128-3139, in the form of PhasicFlowPlus 3d409e87, Cello, with the -1.
@@ -21,7 +20,7 @@ module drag_cello
   public :: cello
 
   real(wp), parameter :: fitted = 1000.0_wp  !< largest Re that K_2 and K_3 see
-  real(wp), parameter :: densest = 0.38_wp   !< least eps that K_3 sees
+  real(wp), parameter :: densest = 0.36_wp   !< least eps that K_3 sees
 
 contains
 
