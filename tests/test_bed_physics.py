@@ -78,23 +78,49 @@ def at_parcels(gas, field, position):
     return sum(weight * field[cells] for cells, weight in cells_around(gas, position))
 
 
-@pytest.mark.parametrize("weighting", ["ssp", "ssw"])
-def test_polydisperse_bed(geldart, tmp_path, weighting):
-    """The pressure gradient bears what the drag law says of the real particles, each in the gas it meets.
+def gidaspow(reynolds, eps):
+    """Drag factor, real diameters. MFIX 25.2.1, drag_gs.f."""
+    return np.where(eps > 0.8, (1 + 0.15 * reynolds**0.687) * eps**-3.65, (150 * (1 - eps) + 1.75 * reynolds) / (18 * eps**2))
+
+
+def beetstra(reynolds, eps):
+    """Drag factor. Beetstra, van der Hoef, Kuipers, AIChE J. 53 (2007) 489."""
+    phi = 1 - eps
+    fast = (1 / eps + 3 * eps * phi + 8.4 * reynolds**-0.343) / (1 + 10 ** (3 * phi) * reynolds ** (-0.5 - 2 * phi))
+    return 10 * phi / eps**2 + eps**2 * (1 + 1.5 * phi**0.5) + 0.413 * reynolds / (24 * eps**2) * fast
+
+
+def mean_around(gas, parcels):
+    """Sauter mean of the particles around each parcel: solids of the cells over their surface, by the weights of each."""
+    volume, surface = np.zeros(gas.cells[::-1]), np.zeros(gas.cells[::-1])
+    for cells, weight in cells_around(gas, parcels["position"]):
+        np.add.at(volume, cells, weight * parcels["weight"] * parcels["diameter"] ** 3)
+        np.add.at(surface, cells, weight * parcels["weight"] * parcels["diameter"] ** 2)
+    return at_parcels(gas, volume, parcels["position"]) / at_parcels(gas, surface, parcels["position"])
+
+
+@pytest.mark.parametrize("weighting, sizes", [("ssp", False), ("ssw", False), ("ssp", True)])
+def test_polydisperse_bed(geldart, tmp_path, weighting, sizes):
+    """The pressure gradient bears what the drag law says of the real particles, each in the gas it meets,
+    and among the sizes around it.
 
     From the centres of the lowest cells to those of the highest, eps grad p = drag per volume; half of the drag on the
     lowest cells lies below their centres. To half a percent: walls and the turning of the gas bear the rest.
     """
     run = compute(geldart, tmp_path, "bed.nml", "boundary(distributor)%velocity=0.15", f"parcels%weighting={weighting}",
-                  "run%end_time=0.3", "output%parcels_interval=0.3", "output%gas_interval=0.3")
+                  "run%end_time=0.3", "output%parcels_interval=0.3", "output%gas_interval=0.3",
+                  *(["coupling%drag=beetstra", "coupling%polydispersity=beetstra"] if sizes else []))
     parcels, gas = run.parcels(-1), run.gas
     assert np.abs(parcels["velocity"]).max() < 0.05
     void, pressure, velocity = (gas(name, -1) for name in ("void_fraction", "pressure", "velocity"))
     eps = at_parcels(gas, void, parcels["position"])
     slip = at_parcels(gas, velocity[..., 1], parcels["position"]) - parcels["velocity"][:, 1]
     d = parcels["diameter"]
-    reynolds = DENSITY * eps * slip * d / VISCOSITY
-    factor = np.where(eps > 0.8, (1 + 0.15 * reynolds**0.687) * eps**-3.65, (150 * (1 - eps) + 1.75 * reynolds) / (18 * eps**2))
+    if sizes:
+        mean = mean_around(gas, parcels)
+        factor = (d / mean + 0.064 * (d / mean) ** 3) * beetstra(DENSITY * eps * slip * mean / VISCOSITY, eps)
+    else:
+        factor = gidaspow(DENSITY * eps * slip * d / VISCOSITY, eps)
     drag = parcels["weight"] * 3 * np.pi * VISCOSITY * d * eps * factor * slip
     lowest = sum(np.sum((weight * drag)[cells[1] == 0]) for cells, weight in cells_around(gas, parcels["position"]))
     gradient = pressure[:, :-1] - pressure[:, 1:] - DENSITY * GRAVITY * gas.h[1]

@@ -16,7 +16,7 @@ module coupling_scene
   use tiles, only: tiles_t, new_tiles
   implicit none
   private
-  public :: scene_t, build, add, step, set_gas, gravity, viscosity, density
+  public :: scene_t, build, add, refill, step, set_gas, gravity, viscosity, density
 
   real(wp), parameter :: gravity(3) = [0.0_wp, -9.81_wp, 0.0_wp]
   real(wp), parameter :: viscosity = 1.8e-5_wp, density = 1.2_wp
@@ -66,6 +66,25 @@ contains
     call scene%coupling%follow_tiles(scene%tiles, 0.02_wp*scale)
     call scene%parcels%create(.false., .true.)
   end subroutine build
+
+  !> Replace the gas of a scene by one with boundaries and tight tolerances.
+  subroutine refill(scene, records)
+    type(scene_t), intent(inout) :: scene
+    type(boundary_settings_t), intent(in) :: records(:)
+
+    type(gas_settings_t) :: settings
+    type(gas_numerics_t) :: numerics
+    type(outcome_t) :: outcome
+
+    settings%density = density
+    settings%viscosity = viscosity
+    numerics%tolerance = 1.0e-9_wp
+    numerics%velocity_tolerance = 1.0e-10_wp
+    numerics%maximum_iterations = 500
+    call scene%gas%destroy()
+    call new_gas(scene%boxes, scene%mesh, settings, records, numerics, scene%gas, outcome)
+    if (outcome%failed()) error stop 'coupling_scene: the gas cannot be made'
+  end subroutine refill
 
   !> Give the gas one velocity within the domain and one pressure gradient.
   subroutine set_gas(scene, velocity, gradient)

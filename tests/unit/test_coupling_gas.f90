@@ -6,13 +6,9 @@ program test_coupling_gas
   use communicator, only: communicator_t, start_ranks, stop_ranks
   use constants, only: pi
   use coupling_settings, only: coupling_settings_t
-  use coupling_scene, only: scene_t, build, add, set_gas, gravity, viscosity, density
+  use coupling_scene, only: scene_t, build, add, refill, set_gas, gravity, viscosity, density
   use drag_response, only: drag_t, particles_t, new_drag
-  use gas, only: new_gas
-  use gas_numerics, only: gas_numerics_t
-  use gas_settings, only: gas_settings_t
   use kinds, only: wp
-  use outcome, only: outcome_t
   use parcels, only: velocity_row, drive_row
   implicit none
 
@@ -28,25 +24,6 @@ program test_coupling_gas
   call stop_ranks()
 
 contains
-
-  !> Replace the gas of a scene by one with boundaries and tight tolerances.
-  subroutine refill(scene, records)
-    type(scene_t), intent(inout) :: scene
-    type(boundary_settings_t), intent(in) :: records(:)
-
-    type(gas_settings_t) :: settings
-    type(gas_numerics_t) :: numerics
-    type(outcome_t) :: outcome
-
-    settings%density = density
-    settings%viscosity = viscosity
-    numerics%tolerance = 1.0e-9_wp
-    numerics%velocity_tolerance = 1.0e-10_wp
-    numerics%maximum_iterations = 500
-    call scene%gas%destroy()
-    call new_gas(scene%boxes, scene%mesh, settings, records, numerics, scene%gas, outcome)
-    if (outcome%failed()) error stop 'test_coupling_gas: the gas cannot be made'
-  end subroutine refill
 
   !> One step of both; the parcels keep their places.
   subroutine advance(scene, dt, converged)
