@@ -8,6 +8,8 @@ module coupling_settings
   private
   public :: coupling_settings_t, declare_coupling
 
+  !> Laws of simulations that resolve the flow through an array of spheres.
+  character(len=*), parameter :: fixed_arrays(4) = [character(len=word_length) :: 'beetstra', 'tang', 'tenneti', 'koch_hill']
   real(wp), parameter :: largest_jump = 0.01_wp  !< of Syamlal and O'Brien's law at its switch
 
   type :: coupling_settings_t
@@ -31,15 +33,12 @@ contains
     call keys%get('polydispersity', settings%polydispersity, 'drag among particles of several sizes: none: as if all were of '// &
                   'the particle''s own size; else by its size over the mean around it', &
                   'none | beetstra | yin_sundaresan | cello')
-    select case (settings%polydispersity)
-    case ('beetstra')
-      call keys%require(any(settings%drag == [character(len=9) :: 'beetstra', 'tang', 'tenneti', 'koch_hill']), 'polydispersity', &
+    associate (drag => settings%drag, choice => settings%polydispersity)
+      call keys%require(choice /= 'beetstra' .or. any(drag == fixed_arrays), 'polydispersity', &
                         'goes with drag = ''beetstra'', ''tang'', ''tenneti'' or ''koch_hill''')
-    case ('yin_sundaresan')
-      call keys%require(settings%drag == 'beetstra', 'polydispersity', 'goes with drag = ''beetstra''')
-    case ('cello')
-      call keys%require(settings%drag == 'cello', 'polydispersity', 'goes with drag = ''cello''')
-    end select
+      call keys%require(choice /= 'yin_sundaresan' .or. drag == 'beetstra', 'polydispersity', 'goes with drag = ''beetstra''')
+      call keys%require(choice /= 'cello' .or. drag == 'cello', 'polydispersity', 'goes with drag = ''cello''')
+    end associate
     call keys%get('minimum_void_fraction', settings%minimum_void_fraction, 'the gas never sees less [-]', '[0.05, 0.6]')
   end subroutine declare_coupling
 

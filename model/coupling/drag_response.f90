@@ -34,8 +34,8 @@
 !> - Gas and particles that share a cell, M times its mass, exchange (1): u' = (u + M r v)/(1 + M r), a mean of u and
 !>   v with positive weights, as is v' = (1 - r) v + r u'. Neither can ring.
 !> - beta after (2) is exact where F does not depend on the slip. Where F grows like a power p of it, dt >> tau
-!>   multiplies an error of the slip by -p (1 - p)/2 per step, by 0.4 at most: p is 1.54 or less, of all laws. With the slip of the start it would be -p,
-!>   and a fast coarse grain (p = 1) would swing between two slips for ever.
+!>   multiplies an error of the slip by -p (1 - p)/2 per step, by 0.4 at most: p is 1.54 or less, of all laws. With the
+!>   slip of the start it would be -p, and a fast coarse grain (p = 1) would swing between two slips for ever.
 !>
 !> With a gas that changes within the step (1) is first order. Where gas and particles accelerate together by c, their
 !> slip is tau (a - c) for dt << tau, but tau a for dt >> tau: of the order of the terminal velocity, wrong by c/a.

@@ -22,10 +22,10 @@ module local_sizes
   !> The lanes are M_0, M_-1 and M_1; sources have a fourth, which is empty.
   type :: local_sizes_t
     private
-    real(wp), allocatable :: box(:,:,:,:)      !< (source_lanes,n1,n2,n3) [m3, m2, m4]
-    real(wp), allocatable :: cells(:,:)        !< (source_lanes,window cells)
-    real(wp), allocatable, public :: mean(:)   !< (parcels or more) <d> [m]
-    real(wp), allocatable, public :: spread(:) !< (parcels or more) S [-]
+    real(wp), allocatable :: box(:,:,:,:)       !< (source_lanes,n1,n2,n3) [m3, m2, m4]
+    real(wp), allocatable :: cells(:,:)         !< (source_lanes,window cells)
+    real(wp), allocatable, public :: mean(:)    !< (parcels or more) <d> [m]
+    real(wp), allocatable, public :: spread(:)  !< (parcels or more) S [-]
   contains
     procedure :: create
     procedure :: measure
