@@ -31,6 +31,9 @@
 !>   the determinant r q s. As r q = 1 - r tau/dt lies below 1, so do both roots in modulus for every s < 1
 !>   (determinant < 1, |trace| < 1 + determinant), at any dt/tau. A particle held fast, s = 1, has
 !>   X' = r (u - v) + r q X, which converges to the full drag D = beta (u - v).
+!> - So does the pressure gradient, one step late, where gas is forced through a bed: it adds phi/eps times the drag,
+!>   s = -phi/eps. A dense bed that no contact holds needs dt < tau then: tau/2 rings out for all eps >= 0.4, at eps = 0.45
+!>   tau makes the slip grow without end. At eps = 0.8 any step is stable; contacts hold most beds that are denser.
 !> - Gas and particles that share a cell, M times its mass, exchange (1): u' = (u + M r v)/(1 + M r), a mean of u and
 !>   v with positive weights, as is v' = (1 - r) v + r u'. Neither can ring.
 !> - beta after (2) is exact where F does not depend on the slip. Where F grows like a power p of it, dt >> tau
