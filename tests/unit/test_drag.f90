@@ -84,6 +84,9 @@ contains
   subroutine check_joints()
     call expect_close(gidaspow(1.0_wp, 0.8_wp), ergun(1.0_wp, 0.8_wp), 0.0_wp, 'gidaspow at eps = 0.8 is ergun')
     call expect_close(gidaspow(1.0_wp, 0.81_wp), wen_yu(1.0_wp, 0.81_wp), 0.0_wp, 'gidaspow above 0.8 is wen_yu')
+    call expect_close(gidaspow(1.0_wp, 0.8004_wp), wen_yu(1.0_wp, 0.8004_wp), 0.0_wp, 'gidaspow just above 0.8 is wen_yu')
+    call expect_close(wen_yu(1000.5_wp, 1.0_wp), 0.44_wp*1000.5_wp/24, 1e-14_wp, 'wen_yu just above Re = 1000')
+    call expect_close(cello(100.0_wp, 0.3_wp), 158.0694203922846_wp, 1e-12_wp, 'cello beyond close packing, computed elsewhere')
     call expect_close(gidaspow_blend(1.0_wp, 0.8_wp), 0.5_wp*(ergun(1.0_wp, 0.8_wp) + wen_yu(1.0_wp, 0.8_wp)), 1e-14_wp, &
                       'gidaspow_blend at eps = 0.8 is the mean of both')
     call expect_close(koch_hill(0.0_wp, 0.6_wp), 10*0.4_wp/0.36_wp, 1e-14_wp, 'koch_hill at eps = 0.6 is that of the dense')
