@@ -276,8 +276,8 @@ contains
     end associate
   end subroutine respond
 
-  !> What the real particles of a block of parcels meet. Beside drag they do what they did in the last step; those
-  !> that have none fall.
+  !> What the real particles of a block of parcels meet. Beside drag and its pressure gradient they do what they did in
+  !> the last step; those that have none fall.
   pure subroutine meet(parcels, gravity, first, n, value, particles)
     type(parcels_t), intent(in) :: parcels
     real(wp), intent(in) :: gravity(3)            !< [m/s2]
@@ -297,7 +297,7 @@ contains
         particles%slip(:, i) = value(velocity_lane:velocity_lane + 2, i) - v
         if (last(duration_row) > 0.0_wp) then
           particles%acceleration(:, i) = (v - last(before_row:before_row + 2))/last(duration_row) &
-            - last(drag_row:drag_row + 2)
+            - last(drag_row:drag_row + 2)/particles%eps(i)
         else
           particles%acceleration(:, i) = gravity - value(gradient_lane:gradient_lane + 2, i)*specific_volume(parcels, k)
         end if

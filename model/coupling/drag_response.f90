@@ -2,19 +2,20 @@
 !>
 !> A particle of mass m and diameter d at velocity v, in gas of velocity u and void fraction eps, obeys
 !>
-!>   m dv/dt = m a + beta (u - v),    beta = 3 pi mu d eps F(Re, eps),    Re = rho eps |u - v| d/mu,
+!>   m dv/dt = m a + beta (u - v)/eps,    beta = 3 pi mu d eps F(Re, eps),    Re = rho eps |u - v| d/mu.
 !>
-!> a being the acceleration by all but drag. For constant a, beta and gas velocity u' the solution over a step dt,
-!> with tau = m/beta, has the mean drag
+!> Drag is beta (u - v). Gas that is forced past particles pays for drag with a pressure gradient, which pushes the same
+!> particles by phi/eps times the drag: together they are drag over eps. a is the acceleration by all the rest. For
+!> constant a, beta and gas velocity u' the solution over a step dt, with tau = eps m/beta, has the mean drag
 !>
-!>   D = beta_eff (u' - v_hat),    beta_eff = m r/dt,    v_hat = v + q dt a,
+!>   D = beta_eff (u' - v_hat),    beta_eff = eps m r/dt,    v_hat = v + q dt a,
 !>   r = 1 - exp(-dt/tau),         q = 1/r - tau/dt.                                                          (1)
 !>
 !> u' is the gas velocity at the end of the step. The gas gets beta_eff and beta_eff v_hat, so that its equation is
-!> implicit in u' and knows how the particles give way; then the particles get D, constant over the step.
-!> a is taken from the last step, as all that changed the velocity then beside drag, contacts included; in a
-!> particle's first step it is g - grad p/rho_p. beta belongs to the slip w = u - v in the middle of the step,
-!> predicted with the beta of the slip at its start:
+!> implicit in u' and knows how the particles give way; then the particles get D and the pressure gradient of that gas,
+!> constant over the step. a is taken from the last step, as all that changed the velocity then beside D/eps: contacts,
+!> and what the pressure gradient was beside that of drag; in a particle's first step it is g - grad p/rho_p. beta
+!> belongs to the slip w = u - v in the middle of the step, predicted with the beta of the slip at its start:
 !>
 !>   w_middle = w - r (w + tau a)/2.                                                                           (2)
 !>
@@ -31,9 +32,9 @@
 !>   the determinant r q s. As r q = 1 - r tau/dt lies below 1, so do both roots in modulus for every s < 1
 !>   (determinant < 1, |trace| < 1 + determinant), at any dt/tau. A particle held fast, s = 1, has
 !>   X' = r (u - v) + r q X, which converges to the full drag D = beta (u - v).
-!> - So does the pressure gradient, one step late, where gas is forced through a bed: it adds phi/eps times the drag,
-!>   s = -phi/eps. A dense bed that no contact holds needs dt < tau then: tau/2 rings out for all eps >= 0.4, at eps = 0.45
-!>   tau makes the slip grow without end. At eps = 0.8 any step is stable; contacts hold most beds that are denser.
+!> - So does what the pressure gradient is beside phi/eps D: where gas and particles move freely together in a periodic
+!>   box there is none, s = phi. With tau = m/beta and all of the gradient in a, s were -phi/eps, and the slip of a bed with
+!>   eps < 3/4 that no contact holds would swing ever wider for dt >> tau.
 !> - Gas and particles that share a cell, M times its mass, exchange (1): u' = (u + M r v)/(1 + M r), a mean of u and
 !>   v with positive weights, as is v' = (1 - r) v + r u'. Neither can ring.
 !> - beta after (2) is exact where F does not depend on the slip. Where F grows like a power p of it, dt >> tau
@@ -77,7 +78,7 @@ module drag_response
     real(wp) :: inverse_mass(block)         !< 1/m [1/kg]
     real(wp) :: eps(block)                  !< void fraction [-]
     real(wp) :: slip(3, block)              !< u - v at the start of the step [m/s]
-    real(wp) :: acceleration(3, block)      !< a, by all but drag [m/s2]
+    real(wp) :: acceleration(3, block)      !< a, by all but drag and its pressure gradient [m/s2]
     real(wp) :: mean_diameter(block)        !< of the particles around, <d>, with polydispersity only [m]
     real(wp) :: spread(block)               !< S of local_sizes, with polydispersity only [-]
     real(wp) :: coefficient(block)          !< answer: beta_eff [kg/s]
@@ -116,7 +117,7 @@ contains
       rate = relaxation_rates(self, particles, middle)
       do i = 1, n
         call shares(dt*rate(i), r, q)
-        particles%coefficient(i) = r/(dt*particles%inverse_mass(i))
+        particles%coefficient(i) = particles%eps(i)*r/(dt*particles%inverse_mass(i))
         particles%lead(:, i) = q*dt*a(:, i)
       end do
     end associate
@@ -138,7 +139,7 @@ contains
         call self%law%find_factors(reynolds_numbers(self, particles%mean_diameter, particles, slip), eps(:n), factor)
         call mind_sizes(self, particles, factor)
       end if
-      rate = max(slowest, 3.0_wp*pi*self%viscosity*d(:n)*eps(:n)*factor*particles%inverse_mass(:n))
+      rate = max(slowest, 3.0_wp*pi*self%viscosity*d(:n)*factor*particles%inverse_mass(:n))
     end associate
   end function relaxation_rates
 

@@ -190,7 +190,7 @@ contains
       w = weights(scene%mesh, cloud%x(:, m) + cloud%moved(:, m))
       eps = sum(w*expected(5, :, :, :))
       slip = [(sum(w*u(:, :, :, a)), a=1, 3)]
-      acceleration = (cloud%velocity(:, m) - cloud%before(:, m))/dt_before - cloud%drag(:, m)
+      acceleration = (cloud%velocity(:, m) - cloud%before(:, m))/dt_before - cloud%drag(:, m)/eps
       if (cloud%new(m)) acceleration = gravity - [(sum(w*gradient(:, :, :, a)), a=1, 3)]/solid_density
       slip = slip - cloud%velocity(:, m)
       rate = relaxation_rate(cloud%diameter(m), mass, eps, slip)
@@ -199,7 +199,7 @@ contains
       call exact_shares(dt*rate, part, lead)
       slip = slip + cloud%velocity(:, m)
       v_hat = cloud%velocity(:, m) + acceleration*lead*dt
-      beta = cloud%weight(m)*mass*part/dt
+      beta = cloud%weight(m)*eps*mass*part/dt
       force = force + beta*(slip - v_hat)
       expected(4, :, :, :) = expected(4, :, :, :) + w*beta
       do a = 1, 3
@@ -208,12 +208,12 @@ contains
     end do
   end subroutine direct_sum
 
-  !> 1/tau of a particle [1/s].
+  !> 1/tau of a particle and the pressure gradient of its drag [1/s].
   pure function relaxation_rate(diameter, mass, eps, slip) result(rate)
     real(wp), intent(in) :: diameter, mass, eps, slip(3)
     real(wp) :: rate
 
-    rate = 3*pi*viscosity*diameter*eps/mass*gidaspow(density*eps*norm2(slip)*diameter/viscosity, eps)
+    rate = 3*pi*viscosity*diameter/mass*gidaspow(density*eps*norm2(slip)*diameter/viscosity, eps)
   end function relaxation_rate
 
   !> 1 - exp(-x), and its inverse less 1/x, in quadruple precision.

@@ -20,6 +20,9 @@ program test_coupling_gas
   call check_suspension(0.02_wp)
   call check_suspension(2.0_wp)
   call check_suspension(100.0_wp)
+  call check_free_bed(0.5_wp)
+  call check_free_bed(2.0_wp)
+  call check_free_bed(20.0_wp)
   if (comm%is_root()) call finish()
   call stop_ranks()
 
@@ -86,14 +89,15 @@ contains
   end subroutine check_bed
 
   !> A suspension of 10 % of 20 um grains falls through a periodic box, its gas first rising at 1 m/s: gas and grains
-  !> follow  u' = u - mu X,  v' = v + dt g + X,  X = r (u' - v - q dt g),  mu the mass of grains over that of gas.
+  !> follow  u' = u - mu X,  v' = v + dt g + X,  X = eps r (u' - v - q (dt g - phi/eps X_before)),  mu the mass of grains
+  !> over that of gas: there is no pressure gradient.
   subroutine check_suspension(ratio)
     real(wp), intent(in) :: ratio  !< step over response time in creeping flow
 
     real(wp), parameter :: d = 2.0e-5_wp, solid_density = 2500.0_wp, solids = 0.1_wp
     type(scene_t) :: scene
     type(boundary_settings_t) :: none(0)
-    real(wp) :: dt, error, u, v, change, scale, before
+    real(wp) :: dt, error, u, v, x, change, scale, before
     logical :: converged, all_converged
     character(len=80) :: name
     integer :: i
@@ -107,13 +111,14 @@ contains
     dt = ratio*solid_density*d**2/(18*viscosity)
     u = 1.0_wp
     v = 0.0_wp
+    x = 0.0_wp
     error = 0.0_wp
     all_converged = .true.
     do i = 1, 6
       before = total_momentum(scene)
       call advance(scene, dt, converged)
       all_converged = all_converged .and. converged
-      call suspension_step(dt, d, solid_density, solids, u, v)
+      call suspension_step(dt, d, solid_density, solids, u, v, x)
       change = total_momentum(scene) - before
       scale = scene%coupling%exchange%solids_volume*solid_density
       error = max(error, abs(change/scale - gravity(2)*dt)/max(abs(gravity(2)*dt), 1.0_wp))
@@ -126,6 +131,52 @@ contains
     call expect_close(error, 0.0_wp, 1e-8_wp, trim(name)//', follows its equation')
     call expect_close(scene%coupling%exchange%momentum_residual, 0.0_wp, 1e-12_wp, trim(name)//', exchange')
   end subroutine check_suspension
+
+  !> Gas is forced through a dense bed of grains that nothing holds, of eps = 0.45: they are carried along, and their slip
+  !> settles where drag and its pressure gradient bear their weight, beta w/eps = m g, without ringing at any step.
+  subroutine check_free_bed(ratio)
+    real(wp), intent(in) :: ratio  !< step over response time in creeping flow
+
+    real(wp), parameter :: d = 7.5e-5_wp, solid_density = 1500.0_wp, solids = 0.55_wp, speed = 0.2_wp
+    type(scene_t) :: scene
+    type(boundary_settings_t) :: records(2)
+    real(wp) :: dt, slip, worst, reynolds, force
+    logical :: converged, all_converged
+    character(len=80) :: name
+    integer :: i
+
+    call build(comm, 0.01_wp, [4, 8, 4], [.true., .false., .true.], 'ergun', scene)
+    records(1)%id = 'bottom'
+    records(1)%kind = 'inflow'
+    records(1)%velocity = speed
+    records(1)%lower = 0.0_wp
+    records(1)%upper = [0.01_wp, 0.0_wp, 0.01_wp]
+    records(2)%id = 'top'
+    records(2)%kind = 'outflow'
+    records(2)%lower = [0.0_wp, 0.02_wp, 0.0_wp]
+    records(2)%upper = [0.01_wp, 0.02_wp, 0.01_wp]
+    call refill(scene, records)
+    call fill_cells(scene, d, solid_density, solids)
+    call scene%coupling%map_void_fraction(scene%parcels, scene%gas)
+    call scene%gas%accept()
+    dt = ratio*solid_density*d**2/(18*viscosity)*18*(1 - solids)**2/(150*solids)
+    all_converged = .true.
+    worst = 0.0_wp
+    do i = 1, 60
+      call advance(scene, dt, converged)
+      all_converged = all_converged .and. converged
+      if (i > 40) worst = max(worst, scene%coupling%exchange%mean_slip)
+    end do
+    slip = scene%coupling%exchange%mean_slip
+    reynolds = density*(1 - solids)*d*slip/viscosity
+    force = 3*pi*viscosity*d*(150*solids + 1.75_wp*reynolds)/(18*(1 - solids)**2)*slip
+    call scene%gas%destroy()
+    write (name, '(a,f0.2)') 'a free dense bed, dt/tau = ', ratio
+    if (.not. comm%is_root()) return
+    call expect(all_converged, trim(name)//', converges')
+    call expect_close(force/(-gravity(2)*solid_density*pi/6*d**3), 1.0_wp, 5.0e-3_wp, trim(name)//', its slip bears its weight')
+    call expect_close(worst/slip, 1.0_wp, 1.0e-3_wp, trim(name)//', and does not swing')
+  end subroutine check_free_bed
 
   !> One parcel in the middle of every cell.
   subroutine fill_cells(scene, d, solid_density, solids)
@@ -171,14 +222,14 @@ contains
   end function velocity_error
 
   !> One step of the equation above.
-  subroutine suspension_step(dt, d, solid_density, solids, u, v)
+  subroutine suspension_step(dt, d, solid_density, solids, u, v, x)
     real(wp), intent(in) :: dt, d, solid_density, solids
-    real(wp), intent(inout) :: u, v
+    real(wp), intent(inout) :: u, v, x  !< x: change of v by drag in the last step, and in this one
 
     type(coupling_settings_t) :: settings
     type(drag_t) :: drag
     type(particles_t) :: grain
-    real(wp) :: x, mass_ratio, r, lead
+    real(wp) :: mass_ratio, r, lead
 
     drag = new_drag(settings, density, viscosity)
     grain%n = 1
@@ -186,7 +237,7 @@ contains
     grain%inverse_mass(1) = 1/(solid_density*pi/6*d**3)
     grain%eps(1) = 1 - solids
     grain%slip(:, 1) = [0.0_wp, u - v, 0.0_wp]
-    grain%acceleration(:, 1) = gravity
+    grain%acceleration(:, 1) = gravity - [0.0_wp, solids/(1 - solids)*x/dt, 0.0_wp]
     call drag%respond(dt, grain)
     r = grain%coefficient(1)*dt*grain%inverse_mass(1)
     lead = grain%lead(2, 1)
