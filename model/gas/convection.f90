@@ -1,16 +1,18 @@
-!> Bounded second-order convection: what a limiter adds to the upwind value on a face.
+!> Second-order convection: what is added to the upwind value on a face. Limiters keep it bounded; central differences
+!> (psi = 1) and the quadratic interpolation of Leonard (psi = (3 + r)/4) are not.
 !>
 !>   phi_face = phi_C + psi(r)/2 (phi_D - phi_C),   r = (phi_C - phi_U)/(phi_D - phi_C)
 !>
 !> U, C, D: the second and the first cell upwind of the face and the cell downwind.
-!> Source: Sweby, SIAM J. Numer. Anal. 21 (1984) 995, for the three limiters psi.
+!> Sources: Sweby, SIAM J. Numer. Anal. 21 (1984) 995, for the three limiters psi; Leonard, Comput. Methods Appl. Mech. Eng.
+!> 19 (1979) 59.
 module convection
   use kinds, only: wp
   implicit none
   private
   public :: limiter_index, limited
 
-  integer, parameter :: upwind = 0, van_leer = 1, minmod = 2, superbee = 3
+  integer, parameter :: upwind = 0, van_leer = 1, minmod = 2, superbee = 3, central = 4, quick = 5
 
 contains
 
@@ -28,6 +30,10 @@ contains
       limiter = minmod
     case ('superbee')
       limiter = superbee
+    case ('central')
+      limiter = central
+    case ('quick')
+      limiter = quick
     case default
       limiter = -1
     end select
@@ -57,6 +63,10 @@ contains
       do i = 1, n
         addition(i) = 0.5_wp*larger(smaller(2*upper(i), step(i)), smaller(upper(i), 2*step(i)))
       end do
+    case (central)
+      addition = 0.5_wp*step
+    case (quick)
+      addition = 0.375_wp*step + 0.125_wp*upper
     case default
       addition = 0.0_wp
     end select

@@ -13,7 +13,7 @@ module gas_numerics
     real(wp) :: velocity_tolerance = 1.0e-4_wp      !< momentum imbalance of a step over its forces [-]
     integer :: maximum_iterations = 50              !< SIMPLE iterations of a step
     integer :: maximum_halvings = 6                 !< how often a step that fails is halved
-    character(len=word_length) :: limiter = 'van_leer'  !< 'van_leer' | 'minmod' | 'superbee' | 'upwind'
+    character(len=word_length) :: limiter = 'van_leer'  !< 'van_leer' | 'minmod' | 'superbee' | 'upwind' | 'central' | 'quick'
   end type gas_numerics_t
 
 contains
@@ -31,7 +31,8 @@ contains
     call keys%get('maximum_iterations', settings%maximum_iterations, 'SIMPLE iterations of a gas step', '[1, 10000]')
     call keys%get('maximum_halvings', settings%maximum_halvings, &
                   'how often a gas step that does not converge is halved', '[0, 20]')
-    call keys%get('limiter', settings%limiter, 'flux limiter of the convection', 'van_leer | minmod | superbee | upwind')
+    call keys%get('limiter', settings%limiter, 'flux limiter of the convection; central and quick are not bounded and '// &
+                  'for smooth flow', 'van_leer | minmod | superbee | upwind | central | quick')
   end subroutine declare_gas_numerics
 
 end module gas_numerics
