@@ -3,7 +3,7 @@ module boundary_settings
   use case_keys, only: keys_t
   use constants, only: unset, is_set
   use kinds, only: wp
-  use text, only: word_length
+  use text, only: word_length, shown
   implicit none
   private
   public :: boundary_settings_t, declare_boundary
@@ -16,6 +16,11 @@ module boundary_settings
     character(len=word_length) :: kind = ''          !< 'inflow' | 'outflow' | 'no_slip' | 'slip'
     real(wp) :: velocity = unset                     !< inflow: superficial, into the domain [m/s]
     real(wp) :: mass_flow = unset                    !< inflow, instead of velocity: over the region [kg/s]
+    real(wp) :: volume_flow = unset                  !< inflow, instead of velocity: over the region [m3/s]
+    character(len=word_length) :: profile = 'uniform'  !< inflow: 'uniform' | 'parabola' over the region
+    real(wp), allocatable :: times(:)                !< inflow that changes: when it has the factors [s]
+    real(wp), allocatable :: factors(:)              !< by which the inflow is multiplied then [-]
+    real(wp) :: wall_velocity(3) = 0.0_wp            !< no_slip: of the wall, along itself [m/s]
     real(wp) :: pressure = unset                     !< outflow [Pa]; unset: that of the gas
     character(len=word_length) :: parcels = 'wall'   !< 'wall': parcels bounce | 'open': they leave
     character(len=word_length) :: material_id = ''   !< key material: of the wall
@@ -37,6 +42,14 @@ contains
                   'inflow | outflow | no_slip | slip', required=keys%has_group('gas'), when='with &gas')
     call keys%get('velocity', settings%velocity, 'inflow: superficial velocity into the domain [m/s]', '[0, inf)')
     call keys%get('mass_flow', settings%mass_flow, 'inflow, instead of velocity: mass flow over the region [kg/s]', '[0, inf)')
+    call keys%get('volume_flow', settings%volume_flow, 'inflow, instead of velocity: volume flow over the region [m3/s]', &
+                  '[0, inf)')
+    call keys%get('profile', settings%profile, 'inflow: the same everywhere, or a parabola in each direction along the region '// &
+                  'that has several cells and is not periodic', 'uniform | parabola')
+    call keys%get_list('times', settings%times, 'inflow that changes: when it is factors times what is given, linear between, '// &
+                       'constant before and after; a time given twice is a jump [s]')
+    call keys%get_list('factors', settings%factors, 'inflow that changes: as many as times [-]', '[0, inf)')
+    call keys%get('wall_velocity', settings%wall_velocity, 'no_slip: velocity of the wall, along itself [m/s]')
     call keys%get('pressure', settings%pressure, 'outflow: pressure there; that of &gas if not given [Pa]')
     call keys%get('parcels', settings%parcels, 'whether parcels bounce off the region or leave through it', 'wall | open')
     call keys%get_optional_reference('material', settings%material_id, settings%material, 'material', &
@@ -49,7 +62,8 @@ contains
     type(boundary_settings_t), intent(in) :: settings
     type(keys_t), intent(inout) :: keys
 
-    integer :: speeds
+    character(len=*), parameter :: of_inflows(5) = [character(len=11) :: 'velocity', 'mass_flow', 'volume_flow', 'times', 'factors']
+    integer :: speeds, i
 
     if (all(is_set([settings%lower, settings%upper]))) then
       call keys%require(all(settings%upper >= settings%lower), 'upper', 'must not be below lower in x, y or z')
@@ -57,14 +71,35 @@ contains
     call keys%require(settings%parcels /= 'open' .or. .not. keys%given('material'), 'material', &
                       'parcels leave there and touch nothing')
     if (len_trim(settings%kind) == 0) return
-    speeds = count([keys%given('velocity'), keys%given('mass_flow')])
+    speeds = count([keys%given('velocity'), keys%given('mass_flow'), keys%given('volume_flow')])
     if (settings%kind == 'inflow') then
-      call keys%require(speeds == 1, 'kind', 'give either velocity or mass_flow')
+      call keys%require(speeds == 1, 'kind', 'give one of velocity, mass_flow and volume_flow')
+      call check_table(settings, keys)
     else
-      call keys%require(.not. keys%given('velocity'), 'velocity', 'belongs to an inflow')
-      call keys%require(.not. keys%given('mass_flow'), 'mass_flow', 'belongs to an inflow')
+      do i = 1, size(of_inflows)
+        call keys%require(.not. keys%given(trim(of_inflows(i))), trim(of_inflows(i)), 'belongs to an inflow')
+      end do
+      call keys%require(settings%profile == 'uniform', 'profile', 'belongs to an inflow')
     end if
+    call keys%require(settings%kind == 'no_slip' .or. .not. any(abs(settings%wall_velocity) > 0.0_wp), 'wall_velocity', &
+                      'belongs to a no_slip wall')
     call keys%require(settings%kind == 'outflow' .or. .not. keys%given('pressure'), 'pressure', 'belongs to an outflow')
   end subroutine check_boundary
+
+  !> An inflow that changes has as many factors as times.
+  subroutine check_table(settings, keys)
+    type(boundary_settings_t), intent(in) :: settings
+    type(keys_t), intent(inout) :: keys
+
+    integer :: n
+
+    call keys%require(keys%given('factors') .or. .not. keys%given('times'), 'times', 'need as many factors')
+    call keys%require(keys%given('times') .or. .not. keys%given('factors'), 'factors', 'need as many times')
+    if (.not. (allocated(settings%times) .and. allocated(settings%factors))) return
+    n = size(settings%times)
+    call keys%require(n == size(settings%factors), 'factors', &
+                      'there must be as many as times: '//shown(n)//', not '//shown(size(settings%factors)))
+    call keys%require(all(settings%times(2:) >= settings%times(:n - 1)), 'times', 'must not fall')
+  end subroutine check_table
 
 end module boundary_settings

@@ -2,7 +2,7 @@
 !>
 !> Before a step the owner sets, on cells 1..n of the box, `eps`, `drag` and `drag_source`; `advance` takes the step;
 !> `accept` makes its void fraction the old one. Call `accept` once before the first step as well, when the void
-!> fraction of the start is set.
+!> fraction of the start is set. Where inflows change in time, `time` is the owner's to set, too.
 module gas
   use boundary_settings, only: boundary_settings_t
   use boxes, only: boxes_t
@@ -93,8 +93,8 @@ contains
   end subroutine cell_velocity
 
   !> Pressure gradient in each cell, the mean over its faces that are solved for [Pa/m], 0 along a direction in which
-  !> it has none. The pressure given on an open face is half a cell away, not a whole one; beyond it the void fraction
-  !> is 0.
+  !> it has none; that of a drop along periodic directions included. The pressure given on an open face is half a cell
+  !> away, not a whole one; beyond it the void fraction is 0.
   pure subroutine cell_pressure_gradient(self, gradient)
     class(gas_t), intent(in) :: self
     real(wp), intent(out), contiguous :: gradient(:,:,:,:)  !< (3, cells 1..n)
@@ -116,7 +116,7 @@ contains
               below*(1 - 0.5_wp*above)*merge(1, 2, self%eps(x(1), x(2), x(3)) > 0.0_wp) &
                 *(here - self%pressure(x(1), x(2), x(3))) &
               + above*(1 - 0.5_wp*below)*merge(1, 2, self%eps(y(1), y(2), y(3)) > 0.0_wp) &
-                *(self%pressure(y(1), y(2), y(3)) - here))/self%mesh%h(a)
+                *(self%pressure(y(1), y(2), y(3)) - here) - self%driving%drop(a)/self%mesh%n(a))/self%mesh%h(a)
           end do
         end do
       end do

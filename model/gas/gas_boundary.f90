@@ -11,7 +11,7 @@ module gas_boundary
   use outcome, only: outcome_t, exit_input
   implicit none
   private
-  public :: gas_boundary_t, new_gas_boundary
+  public :: gas_boundary_t, new_gas_boundary, set_inflow
 
   real(wp), parameter :: closeness = 1.0e-6_wp  !< of a cell's edge: what counts as lying on a plane
 
@@ -23,14 +23,24 @@ module gas_boundary
     real(wp), allocatable :: grip(:,:,:)          !< 1 where the velocity along the face is zero on it, 0 where it slips
     real(wp), allocatable :: flow(:,:,:)          !< superficial velocity into the domain [m/s]
     real(wp), allocatable :: pressure(:,:,:)      !< on open faces [Pa]
+    real(wp), allocatable :: slide(:,:,:,:)       !< (face, component) velocity of the wall [m/s]; only where any wall moves
     integer, allocatable, private :: record(:,:,:)
+    real(wp), allocatable, private :: nominal(:,:,:)  !< flow where factors are 1 [m/s]; only if any inflow changes
   end type side_t
+
+  !> How the inflow of a record changes: by factors at times, linear between, constant before and after.
+  type :: ramp_t
+    real(wp), allocatable :: times(:)    !< [s]
+    real(wp), allocatable :: factors(:)
+  end type ramp_t
 
   type :: gas_boundary_t
     type(side_t) :: side(2, 3)      !< (low or high, direction)
     logical :: any_open = .false.   !< some face of the domain is open
     logical :: open_across(3) = .false.  !< some face across this direction is open
     real(wp) :: inflow = 0.0_wp     !< volume flow into the domain through all inflow faces [m3/s]
+    type(ramp_t), allocatable, private :: ramp(:)     !< (records), only if any inflow changes
+    real(wp), allocatable, private :: nominal(:)      !< their inflows where factors are 1 [m3/s]
   end type gas_boundary_t
 
 contains
@@ -60,6 +70,8 @@ contains
     speed = superficial(records, area, settings%density)
     boundary%inflow = sum(speed*area)
     call settle_sides(boxes, records, speed, settings%pressure, boundary)
+    call shape_inflow(boxes, mesh, records, area, boundary)
+    call prepare_ramps(records, speed*area, boundary)
     if (boundary%inflow > 0.0_wp .and. .not. boundary%any_open) then
       call outcome%fail(exit_input, 'gas flows in but no &boundary is an outflow: an incompressible gas needs one')
     end if
@@ -179,10 +191,12 @@ contains
 
     speed = 0.0_wp
     do m = 1, size(records)
-      if (records(m)%kind /= 'inflow') cycle
+      if (records(m)%kind /= 'inflow' .or. .not. area(m) > 0.0_wp) cycle
       if (is_set(records(m)%velocity)) then
         speed(m) = records(m)%velocity
-      else if (area(m) > 0.0_wp) then
+      else if (is_set(records(m)%volume_flow)) then
+        speed(m) = records(m)%volume_flow/area(m)
+      else
         speed(m) = records(m)%mass_flow/(density*area(m))
       end if
     end do
@@ -234,6 +248,177 @@ contains
         where (record == m) side%pressure = records(m)%pressure
       end do
     end associate
+    call set_slide(records, side)
   end subroutine settle_side
+
+  !> The velocity of the walls that move.
+  pure subroutine set_slide(records, side)
+    type(boundary_settings_t), intent(in) :: records(:)
+    type(side_t), intent(inout) :: side
+
+    integer :: m, b
+
+    do m = 1, size(records)
+      if (.not. any(abs(records(m)%wall_velocity) > 0.0_wp)) cycle
+      if (.not. any(side%record == m)) cycle
+      associate (lo => lbound(side%record), hi => ubound(side%record))
+        if (.not. allocated(side%slide)) allocate (side%slide(lo(1):hi(1), lo(2):hi(2), lo(3):hi(3), 3), source=0.0_wp)
+      end associate
+      do b = 1, 3
+        where (side%record == m) side%slide(:, :, :, b) = records(m)%wall_velocity(b)
+      end do
+    end do
+  end subroutine set_slide
+
+  !> Give inflows that are not uniform their profile, with the mean over the faces of the region as it was.
+  subroutine shape_inflow(boxes, mesh, records, area, boundary)
+    type(boxes_t), intent(in) :: boxes
+    type(mesh_t), intent(in) :: mesh
+    type(boundary_settings_t), intent(in) :: records(:)
+    real(wp), intent(in) :: area(:)  !< of the records [m2]
+    type(gas_boundary_t), intent(inout) :: boundary
+
+    real(wp) :: total(size(records))  !< of the profiles over their regions [m2]
+    integer :: a, end, m
+
+    if (.not. any([(records(m)%profile == 'parabola', m=1, size(records))])) return
+    total = 0.0_wp
+    do a = 1, 3
+      do end = 1, 2
+        if (boundary%side(end, a)%mine) call bend_flow(boxes, mesh, records, a, boundary%side(end, a), total)
+      end do
+    end do
+    total = boxes%comm%sum(total)
+    do m = 1, size(records)
+      if (records(m)%profile /= 'parabola') cycle
+      do a = 1, 3
+        do end = 1, 2
+          if (.not. boundary%side(end, a)%mine) cycle
+          associate (side => boundary%side(end, a))
+            where (side%record == m) side%flow = side%flow*area(m)/total(m)
+          end associate
+        end do
+      end do
+    end do
+  end subroutine shape_inflow
+
+  !> Multiply the flow of one side by s (1 - s) along each direction, s from edge to edge of the region, and add up these
+  !> factors over my faces, rim left out.
+  pure subroutine bend_flow(boxes, mesh, records, a, side, total)
+    type(boxes_t), intent(in) :: boxes
+    type(mesh_t), intent(in) :: mesh
+    type(boundary_settings_t), intent(in) :: records(:)
+    integer, intent(in) :: a
+    type(side_t), intent(inout) :: side
+    real(wp), intent(inout) :: total(:)
+
+    integer :: i, j, k, m, rim(3)
+    real(wp) :: share
+
+    rim = 0
+    rim(a) = lbound(side%record, a)
+    do k = lbound(side%record, 3), ubound(side%record, 3)
+      do j = lbound(side%record, 2), ubound(side%record, 2)
+        do i = lbound(side%record, 1), ubound(side%record, 1)
+          m = side%record(i, j, k)
+          if (m == 0) cycle
+          if (records(m)%profile /= 'parabola') cycle
+          share = bow(mesh, records(m), face_centre(boxes, mesh, [i, j, k], a), a)
+          side%flow(i, j, k) = share*side%flow(i, j, k)
+          rim = [i, j, k]
+          rim(a) = 1
+          if (all(rim >= 1 .and. rim <= boxes%n)) total(m) = total(m) + mesh%area(a)*share
+        end do
+      end do
+    end do
+  end subroutine bend_flow
+
+  !> The parabola at x on a region across `a`, of no scale.
+  pure function bow(mesh, record, x, a)
+    type(mesh_t), intent(in) :: mesh
+    type(boundary_settings_t), intent(in) :: record
+    real(wp), intent(in) :: x(3)  !< [m]
+    integer, intent(in) :: a
+    real(wp) :: bow
+
+    real(wp) :: low(3), high(3)
+    integer :: b
+
+    low = max(record%lower, mesh%lower)
+    high = min(record%upper, mesh%upper)
+    bow = 1.0_wp
+    do b = 1, 3
+      if (b == a .or. mesh%n(b) == 1 .or. mesh%periodic(b)) cycle
+      bow = bow*max(0.0_wp, (x(b) - low(b))*(high(b) - x(b)))/(high(b) - low(b))**2
+    end do
+  end function bow
+
+  !> What is needed of inflows that change.
+  pure subroutine prepare_ramps(records, inflow, boundary)
+    type(boundary_settings_t), intent(in) :: records(:)
+    real(wp), intent(in) :: inflow(:)  !< [m3/s]
+    type(gas_boundary_t), intent(inout) :: boundary
+
+    integer :: a, end, m
+
+    if (.not. any([(allocated(records(m)%times), m=1, size(records))])) return
+    allocate (boundary%ramp(size(records)))
+    boundary%nominal = inflow
+    do m = 1, size(records)
+      if (.not. allocated(records(m)%times)) cycle
+      boundary%ramp(m)%times = records(m)%times
+      boundary%ramp(m)%factors = records(m)%factors
+    end do
+    do a = 1, 3
+      do end = 1, 2
+        if (boundary%side(end, a)%mine) boundary%side(end, a)%nominal = boundary%side(end, a)%flow
+      end do
+    end do
+  end subroutine prepare_ramps
+
+  !> Inflows as they are at a time.
+  pure subroutine set_inflow(boundary, time)
+    type(gas_boundary_t), intent(inout) :: boundary
+    real(wp), intent(in) :: time  !< [s]
+
+    integer :: a, end, m
+    real(wp) :: factor
+
+    if (.not. allocated(boundary%ramp)) return
+    boundary%inflow = 0.0_wp
+    do m = 1, size(boundary%ramp)
+      factor = 1.0_wp
+      if (allocated(boundary%ramp(m)%times)) factor = factor_at(boundary%ramp(m), time)
+      boundary%inflow = boundary%inflow + factor*boundary%nominal(m)
+      do a = 1, 3
+        do end = 1, 2
+          if (.not. boundary%side(end, a)%mine) cycle
+          associate (side => boundary%side(end, a))
+            where (side%record == m) side%flow = factor*side%nominal
+          end associate
+        end do
+      end do
+    end do
+  end subroutine set_inflow
+
+  !> Linear between the times of a table; of times that are equal the last counts.
+  pure function factor_at(ramp, time) result(factor)
+    type(ramp_t), intent(in) :: ramp
+    real(wp), intent(in) :: time  !< [s]
+    real(wp) :: factor
+
+    integer :: below
+
+    below = count(ramp%times <= time)
+    if (below == 0) then
+      factor = ramp%factors(1)
+    else if (below == size(ramp%times)) then
+      factor = ramp%factors(below)
+    else
+      associate (t => ramp%times(below:below + 1), f => ramp%factors(below:below + 1))
+        factor = f(1) + (f(2) - f(1))*(time - t(1))/(t(2) - t(1))
+      end associate
+    end if
+  end function factor_at
 
 end module gas_boundary

@@ -42,6 +42,22 @@ module gas_state
     real(wp), allocatable :: conductance(:,:,:)  !< eps mu A/h over the part where the gas sticks [kg/s]
   end type wall_t
 
+  !> What a pressure drop of 1 Pa along a periodic direction adds to the gas: see driving.
+  type :: response_t
+    real(wp), allocatable :: velocity(:,:,:,:)  !< (face, a) [m/(s Pa)]
+    real(wp), allocatable :: pressure(:,:,:)    !< [1]
+    real(wp) :: flow(3)                         !< through the domain [kg/(s Pa)]
+  end type response_t
+
+  !> What drives the gas along periodic directions.
+  type :: driving_t
+    real(wp) :: drop(3) = 0.0_wp         !< by how much the pressure falls across the domain [Pa]
+    real(wp) :: drop_before(3) = 0.0_wp  !< at the start of the step
+    logical :: held(3) = .false.         !< whether the drop is found such that the flow is
+    real(wp) :: flow(3) = 0.0_wp         !< this [kg/s]
+    type(response_t) :: response(3)      !< to the drop along each direction that is held
+  end type driving_t
+
   type :: gas_state_t
     type(boxes_t) :: boxes
     type(mesh_t) :: mesh
@@ -49,6 +65,8 @@ module gas_state
     type(gas_boundary_t) :: boundary
     type(gas_numerics_t) :: numerics
     type(gas_report_t) :: report
+    type(driving_t) :: driving
+    real(wp) :: time = 0.0_wp                       !< at the start of the step; its owner sets it where inflows change [s]
     real(wp) :: density                             !< [kg/m3]
     real(wp) :: viscosity                           !< dynamic [Pa s]
     real(wp) :: gravity(3) = 0.0_wp                 !< [m/s2]; its owner sets it before the first step
@@ -97,6 +115,9 @@ contains
     state%numerics = numerics
     state%density = settings%density
     state%viscosity = settings%viscosity
+    state%driving%drop = settings%pressure_drop
+    state%driving%held = settings%flow_given .and. mesh%periodic
+    if (settings%flow_given) state%driving%flow = settings%mass_flow
     state%limiter = limiter_index(numerics%limiter)
     if (state%limiter < 0) error stop 'gas_state: the case reader let an unknown limiter pass'
     call new_gas_boundary(boxes, mesh, records, settings, state%boundary, outcome)

@@ -9,13 +9,13 @@
 module momentum
   use gas_state, only: gas_state_t, wall_t, unit_step
   use kinds, only: wp
-  use momentum_cells, only: find_crossing, wall_conductance
+  use momentum_cells, only: find_crossing, wall_conductance, wall_push
   implicit none
   private
   public :: prepare_momentum, assemble_momentum
 
-  !> Friction on a wall at u = 0 from a parabola through the wall and the next two unknowns,
-  !>   du/dy = (9 u_1 - u_2)/(3 h),  that is 8/3 u_1 - (u_2 - u_1)/3 over h.
+  !> Friction on a wall of velocity U from a parabola through the wall and the next two unknowns,
+  !>   du/dy = (9 u_1 - u_2 - 8 U)/(3 h),  that is 8/3 (u_1 - U) - (u_2 - u_1)/3 over h.
   !> It makes the flow between plates exact, where a straight line to the wall leaves an error of dp/dx h^2/(8 mu).
   real(wp), parameter :: parabola_own = 8.0_wp/3.0_wp
   real(wp), parameter :: parabola_next = 1.0_wp/3.0_wp
@@ -72,7 +72,7 @@ contains
     end associate
   end subroutine set_fixed
 
-  !> The part of wall friction that acts on a face's own velocity alone.
+  !> The part of wall friction that acts on a face's own velocity alone, and what a wall that moves adds.
   subroutine add_friction(state, a)
     class(gas_state_t), intent(inout) :: state
     integer, intent(in) :: a
@@ -93,6 +93,9 @@ contains
               wall = state%free(i, j, k, a)*wall_conductance(state, a, b, end, [i, j, k])
               state%wall(end, b, a)%conductance(i, j, k) = wall
               state%fixed(i, j, k, a) = state%fixed(i, j, k, a) + share*wall
+              if (.not. allocated(state%boundary%side(end, b)%slide)) cycle
+              state%source(i, j, k, a) = state%source(i, j, k, a) &
+                + share*state%free(i, j, k, a)*wall_push(state, a, b, end, [i, j, k])
             end do
           end do
         end do
@@ -168,13 +171,14 @@ contains
     n = state%boxes%n
     state%stencil(a)%centre(:, :, :) = state%fixed(lo(1):n(1), lo(2):n(2), lo(3):n(3), a)
     state%stencil(a)%rhs(:, :, :) = state%source(lo(1):n(1), lo(2):n(2), lo(3):n(3), a)
-    call push(lo, n, a, state%mesh%area(a), state%eps_face(:, :, :, a), state%pressure, state%stencil(a)%rhs)
+    call push(lo, n, a, [state%mesh%area(a), state%driving%drop(a)/state%mesh%n(a)], state%eps_face(:, :, :, a), &
+              state%pressure, state%stencil(a)%rhs)
   end subroutine start_rows
 
-  !> rhs - eps_f A (p_above - p_below)
-  pure subroutine push(lo, n, a, area, eps_face, p, rhs)
+  !> rhs - eps_f A (p_above - p_below - dp), dp a face's part of the pressure drop along a periodic direction, see driving.
+  pure subroutine push(lo, n, a, face, eps_face, p, rhs)
     integer, intent(in) :: lo(3), n(3), a
-    real(wp), intent(in) :: area
+    real(wp), intent(in) :: face(2)  !< A [m2], dp [Pa]
     real(wp), intent(in), dimension(-1:n(1) + 2, -1:n(2) + 2, -1:n(3) + 2) :: eps_face, p
     real(wp), intent(inout) :: rhs(lo(1):n(1), lo(2):n(2), lo(3):n(3))
 
@@ -184,7 +188,7 @@ contains
     do k = lo(3), n(3)
       do j = lo(2), n(2)
         do i = lo(1), n(1)
-          rhs(i, j, k) = rhs(i, j, k) - eps_face(i, j, k)*area*(p(i + e(1), j + e(2), k + e(3)) - p(i, j, k))
+          rhs(i, j, k) = rhs(i, j, k) - eps_face(i, j, k)*face(1)*(p(i + e(1), j + e(2), k + e(3)) - p(i, j, k) - face(2))
         end do
       end do
     end do

@@ -9,7 +9,7 @@ module momentum_cells
   use kinds, only: wp
   implicit none
   private
-  public :: find_crossing, fill_beyond, wall_conductance
+  public :: find_crossing, fill_beyond, wall_conductance, wall_push
 
   !> One pass over the faces across b of the momentum cells of component a.
   type :: sweep_t
@@ -111,7 +111,7 @@ contains
     end do
   end subroutine set_surface
 
-  !> eps mu A/h over the part of the surface across b beside velocity a at `cell` on which it is held at zero [kg/s].
+  !> eps mu A/h over the part of the surface across b beside velocity a at `cell` on which the gas sticks [kg/s].
   pure function wall_conductance(state, a, b, end, cell) result(conductance)
     class(gas_state_t), intent(in) :: state
     integer, intent(in) :: a, b, end
@@ -131,8 +131,28 @@ contains
     end associate
   end function wall_conductance
 
-  !> Velocities in the first layer beyond the surface, which only the limiter sees: along the surface mirrored where
-  !> the gas sticks and continued where it slips, across it continued.
+  !> The same times the velocity of the surface, which moves [N].
+  pure function wall_push(state, a, b, end, cell) result(push)
+    class(gas_state_t), intent(in) :: state
+    integer, intent(in) :: a, b, end
+    integer, intent(in) :: cell(3)
+    real(wp) :: push
+
+    integer :: x(3), here(3), there(3)
+
+    x = cell + unit_step(a)
+    here = cell
+    here(b) = merge(0, state%boxes%n(b), end == 1)
+    there = here + unit_step(a)
+    associate (grip => state%boundary%side(end, b)%grip, slide => state%boundary%side(end, b)%slide, eps => state%eps)
+      push = 0.5_wp*state%viscosity*state%mesh%area(b)/state%mesh%h(b)* &
+        (eps(cell(1), cell(2), cell(3))*grip(here(1), here(2), here(3))*slide(here(1), here(2), here(3), a) &
+         + eps(x(1), x(2), x(3))*grip(there(1), there(2), there(3))*slide(there(1), there(2), there(3), a))
+    end associate
+  end function wall_push
+
+  !> Velocities in the first layer beyond the surface, which only the limiter sees: along the surface mirrored, about the
+  !> velocity of the wall, where the gas sticks and continued where it slips, across it continued.
   subroutine fill_beyond(state)
     class(gas_state_t), intent(inout) :: state
 
@@ -195,6 +215,12 @@ contains
             u(i + out(1), j + out(2), k + out(3), a) = u(i, j, k, a) &
               *(1 - grip(i + face(1), j + face(2), k + face(3)) &
                 - grip(i + face(1) + e(1), j + face(2) + e(2), k + face(3) + e(3)))
+            if (.not. allocated(state%boundary%side(end, b)%slide)) cycle
+            associate (slide => state%boundary%side(end, b)%slide)
+              u(i + out(1), j + out(2), k + out(3), a) = u(i + out(1), j + out(2), k + out(3), a) &
+                + slide(i + face(1), j + face(2), k + face(3), a) &
+                + slide(i + face(1) + e(1), j + face(2) + e(2), k + face(3) + e(3), a)
+            end associate
           end do
         end do
       end do

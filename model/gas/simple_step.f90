@@ -5,6 +5,8 @@
 !> does to momentum is seen at the start of the next iteration, where the step ends when it is small enough.
 module simple_step
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+  use driving, only: find_responses, keep_flow
+  use gas_boundary, only: set_inflow
   use gas_state, only: gas_state_t, gas_report_t, unit_step
   use kinds, only: wp
   use momentum, only: prepare_momentum, assemble_momentum
@@ -62,6 +64,8 @@ contains
 
     state%velocity_before = state%velocity
     state%pressure_before = state%pressure
+    state%driving%drop_before = state%driving%drop
+    call set_inflow(state%boundary, state%time + dt)
     state%forces(:, :, :, 1) = state%drag
     do a = 1, 3
       state%forces(:, :, :, 1 + a) = state%drag_source(a, :, :, :)
@@ -74,13 +78,15 @@ contains
     call state%halo%exchange_many(state%velocity)
     call fill_beyond(state)
     call update_flux(state)
+    call find_responses(state)
     state%report%mass_scale = mass_scale(state, dt)
     mass = find_imbalance(state, dt)
     force_scale = state%boxes%comm%sum(sum(abs(state%source)))
   end subroutine begin_step
 
-  !> What mass residuals are measured by: the inflow; without one the flow that goes round, the gas that moving
-  !> particles push, or what gravity would set in motion in one step if nothing held it, whichever is largest [kg/s].
+  !> What mass residuals are measured by: the inflow; without one the flow that goes round or is asked for, the gas that
+  !> moving particles push, or what gravity and pressure drop would set in motion in one step if nothing held it, whichever
+  !> is largest [kg/s].
   function mass_scale(state, dt) result(scale)
     class(gas_state_t), intent(in) :: state
     real(wp), intent(in) :: dt
@@ -98,6 +104,9 @@ contains
       flows(4) = state%density*m%volume/dt*sum(abs(state%eps(1:n(1), 1:n(2), 1:n(3)) - state%eps_old(1:n(1), 1:n(2), 1:n(3))))
       flows = state%boxes%comm%sum(flows)
       scale = max(maxval(flows), maxval(state%density*m%area*abs(state%gravity)*dt))
+      associate (driving => state%driving)
+        scale = max(scale, maxval(abs(driving%flow)), maxval(m%area*abs(driving%drop)/(m%n*m%h)*dt))
+      end associate
     end associate
   end function mass_scale
 
@@ -149,6 +158,7 @@ contains
       reduction = min(max(reduction, aim/mass, tightest), usual_reduction)
     end if
     call correct(state, reduction)
+    call keep_flow(state)
     call fill_beyond(state)
     call update_flux(state)
     mass = find_imbalance(state, dt)
@@ -191,6 +201,7 @@ contains
 
     state%velocity = state%velocity_before
     state%pressure = state%pressure_before
+    state%driving%drop = state%driving%drop_before
   end subroutine restore_state
 
   !> The mass balance of the whole domain over the step, from the fluxes themselves.

@@ -34,6 +34,7 @@ contains
       if (domain_known) domain_known = all(domain%upper > domain%lower)
     end associate
     call check_flow(case, keys)
+    if (case%with_gas) call check_driving(case, keys)
     if (case%with_gas .and. is_set(case%run%end_time)) then
       call keys%require_at(case%gas_numerics%time_step <= case%run%end_time, 'run', 1, 'end_time', &
                            'is less than one time_step of &numerics, '//shown(case%gas_numerics%time_step)//' s')
@@ -61,6 +62,24 @@ contains
     end do
   end subroutine check_flow
 
+  !> Only a periodic direction is driven by a pressure drop of its own.
+  subroutine check_driving(case, keys)
+    type(case_t), intent(in) :: case
+    type(keys_t), intent(inout) :: keys
+
+    integer :: a
+
+    do a = 1, 3
+      if (case%domain%periodic(a)) cycle
+      call keys%require_at(.not. abs(case%gas%pressure_drop(a)) > 0, 'gas', 1, 'pressure_drop', 'the domain is not periodic in ' &
+                           //'xyz' (a:a)//': give its faces an inflow and an outflow, or pressures')
+      call keys%require_at(.not. (case%gas%flow_given .and. abs(case%gas%mass_flow(a)) > 0), 'gas', 1, 'mass_flow', &
+                           'the domain is not periodic in '//'xyz' (a:a)//': give its faces an inflow and an outflow')
+    end do
+    call keys%require_at(any(case%domain%periodic) .or. .not. case%gas%flow_given, 'gas', 1, 'mass_flow', &
+                         'is kept along periodic directions, and the domain has none')
+  end subroutine check_driving
+
   !> Every region lies on the surface, and no two on the same part of it.
   subroutine check_regions(case, keys)
     type(case_t), intent(in) :: case
@@ -76,6 +95,7 @@ contains
       call keys%require_at(any(on(:, i)), 'boundary', i, '', 'touches no face of the domain, or not the middle of a cell''s')
       call keys%require_at(.not. any(on(:, i)) .or. any(on(:, i) .and. .not. [case%domain%periodic, case%domain%periodic]), &
                            'boundary', i, '', 'lies on a periodic face')
+      call check_moving_wall(case, i, on(:, i), keys)
       if (case%boundaries(i)%material > 0) then
         call keys%require_at(any(faces_covered(case%domain, case%boundaries(i))), 'boundary', i, 'material', &
                              'parcels know whole faces of the domain only, and it covers none')
@@ -86,6 +106,22 @@ contains
       end do
     end do
   end subroutine check_regions
+
+  !> A wall of the gas moves along itself, and where there are parcels they feel walls of their own.
+  subroutine check_moving_wall(case, i, on, keys)
+    type(case_t), intent(in) :: case
+    integer, intent(in) :: i
+    logical, intent(in) :: on(6)  !< the sides it lies on
+    type(keys_t), intent(inout) :: keys
+
+    associate (velocity => case%boundaries(i)%wall_velocity)
+      if (.not. any(abs(velocity) > 0)) return
+      call keys%require_at(.not. any(on .and. abs([velocity, velocity]) > 0), 'boundary', i, 'wall_velocity', &
+                           'must be along the wall, which may not move through the domain')
+    end associate
+    call keys%require_at(.not. case%with_parcels, 'boundary', i, 'wall_velocity', &
+                         'moves the gas only, and parcels would feel a wall at rest: not possible with &parcels')
+  end subroutine check_moving_wall
 
   !> Whether a region has an area on a side: 1 to 3 the low x, y, z, 4 to 6 the high ones. With a grid, the
   !> middle of a cell's face must be in it.

@@ -49,6 +49,10 @@ contains
                 //by((domain%upper - domain%lower)/domain%cells)//' m')
       if (any(domain%cells == 1)) call line(unit, '', 'no flow in '//axes(domain%cells == 1)// &
                                             ', unless periodic: one cell across')
+      if (any(abs(case%gas%pressure_drop) > 0)) call line(unit, '', 'driven by a pressure drop of ' &
+                                                          //shown(case%gas%pressure_drop)//' Pa')
+      if (case%gas%flow_given) call line(unit, '', 'driven by the pressure drop that keeps a mass flow of ' &
+                                         //shown(case%gas%mass_flow)//' kg/s')
       steps = case%run%end_time/step
       call line(unit, 'gas steps', brief(steps)//' of '//shown(step)//' s, as given; halved up to ' &
                 //shown(case%gas_numerics%maximum_halvings)//' times where one does not converge')
@@ -68,6 +72,11 @@ contains
         if (case%with_gas) text = text//' '//trim(region%kind)
         if (is_set(region%velocity)) text = text//' at '//shown(region%velocity)//' m/s'
         if (is_set(region%mass_flow)) text = text//' of '//shown(region%mass_flow)//' kg/s'
+        if (is_set(region%volume_flow)) text = text//' of '//shown(region%volume_flow)//' m3/s'
+        if (region%profile == 'parabola') text = text//' as a parabola'
+        if (allocated(region%times)) text = text//', times factors from '//shown(region%times(1))//' to ' &
+                                            //shown(region%times(size(region%times)))//' s'
+        if (any(abs(region%wall_velocity) > 0)) text = text//' moving at '//shown(region%wall_velocity)//' m/s'
         if (region%kind == 'outflow') text = text//' at '//shown(merge(region%pressure, case%gas%pressure, &
                                                                        is_set(region%pressure)))//' Pa'
         if (region%parcels == 'open') text = text//' open to parcels'

@@ -57,6 +57,7 @@ contains
       field = fields(i, :, :, :)
       call file%add_field(trim(gas_names(i)), field, scene%boxes%lo, scene%boxes%cells)
     end do
+    if (any(scene%gas%driving%held)) call file%add_copy('periodic_pressure_drop', scene%gas%driving%drop)
   end subroutine write_gas
 
   subroutine write_solids(file, scene)
@@ -125,7 +126,7 @@ contains
     character(len=*), intent(in) :: name
     type(outcome_t), intent(inout) :: outcome
 
-    real(wp), allocatable :: fields(:,:,:,:), field(:,:,:)
+    real(wp), allocatable :: fields(:,:,:,:), field(:,:,:), drop(:)
     integer :: i
 
     if (any(file%field_shape(trim(gas_names(1))) /= scene%boxes%cells)) then
@@ -141,6 +142,10 @@ contains
       fields(i, :, :, :) = field
     end do
     call scene%gas%import_state(fields)
+    if (.not. any(scene%gas%driving%held)) return
+    if (.not. file%has('periodic_pressure_drop')) return
+    call file%get_copy('periodic_pressure_drop', drop)
+    scene%gas%driving%drop = drop
   end subroutine read_gas
 
   subroutine read_solids(file, scene, outcome)

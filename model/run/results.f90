@@ -127,12 +127,24 @@ contains
       column_t('gas_inflow', 'kg/s', 'last step'), column_t('gas_outflow', 'kg/s', 'last step'), &
       column_t('gas_steps', '1', 'since the start'), &
       column_t('gas_retries', '1', 'steps repeated with half the length, since the start')]
+    if (scene%with_gas) then
+      if (is_driven(scene%gas)) columns = [columns, column_t('periodic_pressure_drop', 'Pa', &
+        'by which the pressure falls across the domain, along periodic directions, last step', 3)]
+    end if
     if (scene%with_gas .and. scene%with_parcels) columns = [columns, &
       column_t('weight_per_area', 'Pa', 'of all parcels over the cross-section'), &
       column_t('exchange_residual', '1', 'momentum not balanced between gas and parcels, last step'), &
       column_t('least_void_fraction', '1', 'of any cell, before clipping'), &
       column_t('clipped_volume', 'm3', 'of solids the gas does not see, last step')]
   end function columns_of
+
+  !> Whether anything but boundaries and gravity drives the gas.
+  pure function is_driven(gas)
+    type(gas_t), intent(in) :: gas
+    logical :: is_driven
+
+    is_driven = any(gas%driving%held) .or. any(abs(gas%driving%drop) > 0)
+  end function is_driven
 
   !> Look at the bed and the parcels as they are now. All ranks take part.
   subroutine look(self, scene)
@@ -258,6 +270,7 @@ contains
           r%mass_imbalance, r%mass_residual, r%momentum_residual, r%courant, r%inflow, r%outflow, &
           ledger%gas_steps, ledger%retries]
       end associate
+      if (is_driven(scene%gas)) row = [row, scene%gas%driving%drop]
     end if
     if (scene%with_gas .and. scene%with_parcels) then
       associate (e => scene%coupling%exchange)

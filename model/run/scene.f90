@@ -164,6 +164,7 @@ contains
       share = seen_share(self)
       if (self%with_parcels) call prepare(self, share)
       call self%watch%enter(part_gas)
+      self%gas%time = self%time
       call self%gas%advance(self%report%dt, converged)
       call self%watch%leave()
       if (converged) exit
