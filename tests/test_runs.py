@@ -112,6 +112,27 @@ def test_rolling_restarts(geldart, tmp_path):
     assert "the restart file is of a run with a rolling spring, or this case is" in done.stderr
 
 
+def test_driven_gas_restarts(geldart, tmp_path):
+    """So does the pressure drop that keeps a flow, which then carries the suspension; and an inflow that changes."""
+    suspension = ROOT / "tests/runs/suspension.nml"
+    run(geldart, "whole", until(0.1), ranks=2, case=suspension)
+    run(geldart, "parts", until(0.05), ranks=2, case=suspension)
+    run(geldart, "parts", until(0.1), restart="parts/restart.h5", ranks=2, case=suspension)
+    same_results(tmp_path / "whole", tmp_path / "parts")
+    drop = series(tmp_path / "whole")["periodic_pressure_drop"][-1]
+    weight = 9.81 * 2.5e-4 / 0.012**2 + 9.81 * 1.2 * 0.016
+    assert drop[1] == pytest.approx(weight, rel=0.02)
+    assert np.abs(drop[[0, 2]]).max() < 0.02 * weight
+
+    jump = ("boundary(distributor)%times=0 0.004 0.004", "boundary(distributor)%factors=0.5 1 2")
+    run(geldart, "jump", until(0.008), *jump)
+    run(geldart, "half", until(0.003), *jump)
+    run(geldart, "half", until(0.008), *jump, restart="half/restart.h5")
+    same_results(tmp_path / "jump", tmp_path / "half")
+    inflow = series(tmp_path / "jump")["gas_inflow"][1:] / (1.2 * 0.6 * 0.016**2)
+    assert inflow == pytest.approx([0.625, 0.75, 0.875, 2, 2, 2, 2, 2], rel=1e-12)
+
+
 def test_restart_on_other_ranks(geldart, tmp_path):
     """Written by 2 ranks, continued by 1 and by 3, as by 2."""
     run(geldart, "first", *TIGHT, until(0.004), ranks=2)

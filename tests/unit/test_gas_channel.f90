@@ -64,7 +64,7 @@ contains
     real(wp), parameter :: dt = 1.0e-4_wp
 
     scene = flow_scene([gap, gap, gap], [2, n, 1], [.true., .false., .true.])
-    scene%gravity = 0.0_wp
+    scene%settings%pressure_drop = 0.0_wp
     scene%settings%density = 2.0_wp
     scene%records = [record('top', 'slip', [0.0_wp, gap, 0.0_wp], [gap, gap, gap])]
     call make_gas(comm, scene, gas, outcome)
