@@ -38,6 +38,11 @@ def programs():
     return sorted(source.stem for source in (ROOT / "tests/verification").glob("verify_*.f90"))
 
 
+def is_long(program):
+    """Whether a program says of itself, '! long: why', that `make verify` alone runs it."""
+    return "\n! long: " in (ROOT / f"tests/verification/{program}.f90").read_text()
+
+
 def run(program):
     """What a built program printed: {name: (computed, expected)} of its checks, {name: points} of its curves.
 

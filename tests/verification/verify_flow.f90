@@ -3,9 +3,10 @@ program verify_flow
   use communicator, only: communicator_t, start_ranks, stop_ranks
   use check, only: expect, finish
   use kinds, only: wp
-  use laminar_flows, only: duct_error, duct_velocity, plates_error
+  use laminar_flows, only: couette_error, drop, duct_error, duct_velocity, plates_drop, plates_error
   use lone_grain, only: balanced_slip, settled_velocity, transient_error
   use report, only: check_value
+  use vortex_flow, only: decay
   implicit none
 
   type(communicator_t) :: comm
@@ -13,7 +14,9 @@ program verify_flow
   call start_ranks(comm)
   call grain()
   call plates()
+  call couette()
   call duct()
+  call vortices()
   call finish()
   call stop_ranks()
 
@@ -52,7 +55,27 @@ contains
       write (name, '(a,i0)') 'plates_', 2**level
       call check_value(trim(name), worst, 0.0_wp)
     end do
+    call plates_drop(comm, 32, worst, ok)
+    call expect(ok, 'it converges')
+    call check_value('plates_drop', worst, drop)
   end subroutine plates
+
+  !> Plates of which one moves, on 8 to 64 cells, pushed on, left alone and held back.
+  subroutine couette()
+    real(wp) :: error(-1:1)
+    integer :: level, m
+    logical :: ok
+    character(len=10) :: name
+
+    do level = 3, 6
+      do m = -1, 1
+        call couette_error(comm, 2**level, 3.0_wp*m, error(m), ok)
+        call expect(ok, 'it converges')
+      end do
+      write (name, '(a,i0)') 'couette_', 2**level
+      call check_value(trim(name), maxval(error), 0.0_wp)
+    end do
+  end subroutine couette
 
   !> The order of accuracy where the parabola at the wall is not exact.
   subroutine duct()
@@ -65,5 +88,26 @@ contains
     call check_value('duct_order', log(error(1)/error(2))/log(2.0_wp), 2.0_wp)
     call check_value('duct_error', 100*error(2)/duct_velocity(0.0_wp, 0.0_wp), 0.0_wp)
   end subroutine duct
+
+  !> Orders in space, from 32 to 64 cells with the same steps, and in time, from 16 to 32 steps on the same cells.
+  subroutine vortices()
+    character(len=8), parameter :: limiters(2) = ['van_leer', 'central ']
+    real(wp) :: error(2), a(2, 3)
+    integer :: m, iterations(5)
+
+    do m = 1, 2
+      call decay(comm, 32, trim(limiters(m)), 0.5_wp, 10, error(1), a(:, 1), iterations(1))
+      call decay(comm, 64, trim(limiters(m)), 0.5_wp, 10, error(2), a(:, 2), iterations(2))
+      call expect(all(iterations(:2) > 0), 'all converge')
+      call check_value('vortex_error_'//trim(limiters(m)), 100*error(2), 0.0_wp)
+    end do
+    call check_value('vortex_order_central', log(error(1)/error(2))/log(2.0_wp), 2.0_wp)
+    do m = 1, 3
+      call decay(comm, 32, 'van_leer', 0.8_wp, 8*2**m, error(1), a(:, m), iterations(m))
+    end do
+    call expect(all(iterations(:3) > 0), 'all converge')
+    call check_value('vortex_order_time', log((a(1, 1) - a(1, 2))/(a(1, 2) - a(1, 3)))/log(2.0_wp), 1.0_wp)
+    call check_value('vortex_decay', a(1, 3) + (a(1, 3) - a(1, 2)), a(2, 3))
+  end subroutine vortices
 
 end program verify_flow
