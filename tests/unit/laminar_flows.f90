@@ -59,6 +59,7 @@ contains
     scene = flow_scene([length, gap, gap], [n, n, 1], [.true., .false., .true.])
     scene%settings%pressure_drop = 0.0_wp
     scene%settings%flow_given = .true.
+    scene%settings%mass_flow = 0.0_wp
     scene%settings%mass_flow(1) = drop/length*gap**4/(12*viscosity)*(1 + 0.5_wp/n**2)
     allocate (scene%records(0))
     call make_gas(comm, scene, gas, outcome)

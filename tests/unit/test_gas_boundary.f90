@@ -245,6 +245,7 @@ contains
     scene%upper = scene%cells*edge
     scene%periodic = .true.
     scene%settings%flow_given = .true.
+    scene%settings%mass_flow = o
     scene%settings%mass_flow(2) = flow
     scene%settings%viscosity = o
     scene%numerics%velocity_tolerance = 1.0e-9_wp
@@ -304,6 +305,7 @@ contains
 
     scene = scene_t(cells=[6, 8, 4], upper=[6, 8, 4]*edge, periodic=[.false., .true., .true.])
     scene%settings%flow_given = .true.
+    scene%settings%mass_flow = o
     scene%settings%mass_flow(2) = 1.0e-4_wp
     allocate (scene%records(0))
     call make_gas(comm, scene, gas, outcome)

@@ -131,11 +131,25 @@ def errors(rows, curves):
     return figure
 
 
+def cavity(rows, curves):
+    figure, axes = plt.subplots(1, 2, figsize=(6.4, 2.5))
+    for axis, line in zip(axes, "uv", strict=True):
+        for reynolds, shade in ((100, 0.4), (400, 0.65), (1000, 1)):
+            place, found, ghia = series(curves, f"cavity_{line}_{reynolds}")
+            order = np.argsort(place)
+            axis.plot(place[order], found[order], color=OURS, alpha=shade, label=f"Re {reynolds}")
+            axis.plot(place, ghia, "o", ms=2.5, mfc="none", color=EXACT, alpha=shade)
+    axes[0].set(xlabel="y", ylabel="u", title="u at x = 1/2; circles: Ghia")
+    axes[1].set(xlabel="x", ylabel="v", title="v at y = 1/2")
+    axes[0].legend()
+    return figure
+
+
 def draw(rows, curves, folder):
     """All pictures; their paths. The same rows and curves give the same bytes."""
     folder.mkdir(exist_ok=True)
     with plt.rc_context(STYLE):
-        for make in (errors, fall, squeezed, oblique, chung_ooi, order, cooling, shear):
+        for make in (errors, fall, squeezed, oblique, chung_ooi, order, cavity, cooling, shear):
             path = folder / f"{make.__name__}.png"
             figure = make(rows, curves)
             figure.savefig(path, metadata={"Software": None})
