@@ -27,8 +27,8 @@ contains
     integer :: b
 
     if (.not. any(state%driving%held)) return
-    velocity = state%velocity
-    pressure = state%pressure
+    allocate (velocity, source=state%velocity)
+    allocate (pressure, source=state%pressure)
     call assemble_momentum(state)
     do b = 1, 3
       if (.not. state%driving%held(b)) cycle

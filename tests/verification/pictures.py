@@ -135,9 +135,9 @@ def cavity(rows, curves):
     figure, axes = plt.subplots(1, 2, figsize=(6.4, 2.5))
     for axis, line in zip(axes, "uv", strict=True):
         for reynolds, shade in ((100, 0.4), (400, 0.65), (1000, 1)):
-            place, found, ghia = series(curves, f"cavity_{line}_{reynolds}")
-            order = np.argsort(place)
-            axis.plot(place[order], found[order], color=OURS, alpha=shade, label=f"Re {reynolds}")
+            place, _, ghia = series(curves, f"cavity_{line}_{reynolds}")
+            lines = dict(zip("xuv", series(curves, f"cavity_lines_{reynolds}"), strict=True))
+            axis.plot(lines["x"], lines[line], color=OURS, alpha=shade, label=f"Re {reynolds}")
             axis.plot(place, ghia, "o", ms=2.5, mfc="none", color=EXACT, alpha=shade)
     axes[0].set(xlabel="y", ylabel="u", title="u at x = 1/2; circles: Ghia")
     axes[1].set(xlabel="x", ylabel="v", title="v at y = 1/2")

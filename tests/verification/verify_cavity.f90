@@ -36,7 +36,7 @@ program verify_cavity
 
 contains
 
-  !> The largest distance from Ghia's values.
+  !> The largest distance from Ghia's values; and both lines, of which a picture is made.
   subroutine compare_ghia(name, flow, m)
     character(len=*), intent(in) :: name
     type(cavity_t), intent(in) :: flow
@@ -56,6 +56,9 @@ contains
       call point('cavity_v_'//name, ghia_x(i), found, ghia_v(i, m))
       if (all([i, m] == misprint)) cycle
       worst(2) = max(worst(2), abs(found - ghia_v(i, m)))
+    end do
+    do i = 1, size(flow%place)
+      call point('cavity_lines_'//name, flow%place(i), flow%u(i), flow%v(i))
     end do
     call check_value('cavity_u_'//name, worst(1), 0.0_wp)
     call check_value('cavity_v_'//name, worst(2), 0.0_wp)
