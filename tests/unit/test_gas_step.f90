@@ -2,6 +2,7 @@
 program test_gas_step
   use check, only: expect, expect_close, finish
   use communicator, only: communicator_t, start_ranks, stop_ranks
+  use convection, only: limited, limiter_index
   use gas, only: gas_t, saved_fields
   use gas_cases, only: scene_t, record, make_gas, set_cells, steps, &
     flat_void, flat_drag, slug_drag, slug_source
@@ -14,6 +15,7 @@ program test_gas_step
   type(communicator_t) :: comm
 
   call start_ranks(comm)
+  call interpolations()
   call carried_step()
   call any_ranks([8, 20, 6], [.false., .false., .false.], 'a bed')
   call any_ranks([8, 20, 6], [.true., .false., .true.], 'a periodic bed')
@@ -66,6 +68,22 @@ contains
       end do
     end do
   end subroutine set_bed
+
+  !> What is added to the value of the cell upwind makes a straight line exact on the face; by quick a parabola, too.
+  subroutine interpolations()
+    character(len=8), parameter :: limiters(5) = ['minmod  ', 'van_leer', 'superbee', 'central ', 'quick   ']
+    real(wp) :: found(2)
+    integer :: m
+
+    do m = 1, size(limiters)
+      ! phi = x and phi = x (x + 4) at x = -3/2, -1/2 and 1/2, the face at 0
+      call limited(limiter_index(trim(limiters(m))), 2, [1.0_wp, 2.0_wp], [1.0_wp, 4.0_wp], found)
+      if (.not. comm%is_root()) cycle
+      call expect_close(found(1), 0.5_wp, 1.0e-14_wp, 'a line is exact: '//limiters(m))
+      if (limiters(m) == 'quick') call expect_close(found(2), 1.75_wp, 1.0e-14_wp, 'a parabola is exact')
+      if (limiters(m) == 'central') call expect_close(found(2), 2.0_wp, 1.0e-14_wp, 'the mean of both cells')
+    end do
+  end subroutine interpolations
 
   !> A jump of the velocity across the flow that carries it stays between its two values and moves at the flow's speed;
   !> second-order limiters keep it sharper than upwind does.
