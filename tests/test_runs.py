@@ -227,6 +227,18 @@ def test_parcels_astray(geldart, tmp_path):
 
 
 @pytest.mark.parametrize("ranks", [1, 2])
+def test_the_first_frame_shows_the_bed(geldart, tmp_path, ranks):
+    """What is written before the first step has the void fraction of the parcels put in."""
+    run(geldart, "out", until(0.002), ranks=ranks)
+    with h5py.File(tmp_path / "out/gas.vtkhdf") as gas, h5py.File(tmp_path / "out/parcels.vtkhdf") as parcels:
+        void = gas["VTKHDF/CellData/void_fraction"][0].astype(float)
+        first = slice(0, int(parcels["VTKHDF/NumberOfPoints"][0]))
+        diameter, weight = (parcels["VTKHDF/PointData"][name][first].astype(float) for name in ("diameter", "weight"))
+    assert np.sum(1 - void) * 0.004**3 == pytest.approx(np.sum(np.pi / 6 * weight * diameter**3), rel=1e-5)
+    assert series(tmp_path / "out")["least_void_fraction"][0] == pytest.approx(void.min(), rel=1e-6)
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
 def test_halved_steps(geldart, tmp_path, ranks):
     """Steps that converge only when halved are repeated; books, volumes and restarts stay exact."""
     run(geldart, "start", until(0.005), ranks=ranks)

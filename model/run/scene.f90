@@ -60,6 +60,7 @@ module scene
     real(wp), allocatable :: mapped(:,:,:)  !< void fraction of the parcels where they are (n1,n2,n3)
   contains
     procedure :: create
+    procedure :: begin
     procedure :: advance
     procedure :: next_step
   end type scene_t
@@ -132,6 +133,13 @@ contains
 
     dt = self%longest_step/2**self%halvings
   end function next_step
+
+  !> Show the gas the parcels that have been put in, so that what is written before the first step has their void fraction.
+  subroutine begin(self)
+    class(scene_t), intent(inout) :: self
+
+    if (self%with_gas .and. self%with_parcels) call see_parcels(self)
+  end subroutine begin
 
   !> One step of at most `limit`; a whole one where that is the same but for round-off, so that a run that ends and is
   !> continued takes the steps of one that never ended. All ranks agree on the outcome; where it failed nothing has

@@ -86,6 +86,7 @@ contains
       call read_checkpoint(orders%restart, self%scene, self%ledger, outcome)
     else if (case%with_parcels) then
       call fill_vessel(self, outcome)
+      if (.not. outcome%failed()) call self%scene%begin()
     end if
     if (outcome%failed()) return
     self%time_at_start = self%scene%time
