@@ -12,6 +12,8 @@ import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+import h5py
+
 ROOT = Path(__file__).resolve().parents[1]
 SEED = 1
 
@@ -41,11 +43,16 @@ def run_all(here, variants, program):
 
 def program():
     """The program named on the command line, else the one that was built."""
-    return sys.argv[1] if len(sys.argv) > 1 else str(ROOT / "build/geldart")
+    return sys.argv[1] if len(sys.argv) > 1 and sys.argv[1] != "--read" else str(ROOT / "build/geldart")
 
 
-def write_table(path, header, rows, *remarks, seeds=(SEED,)):
-    version = subprocess.run([program(), "--version"], capture_output=True, text=True, check=True).stdout.strip()
+def write_table(path, header, rows, *remarks, seeds=(SEED,), results=None):
+    """The program is that of the command line, or the one that has written into a folder of results."""
+    if results:
+        with h5py.File(results / "monitor.h5") as file:
+            version = "geldart {version}, commit {commit}".format(**{k: v.decode() for k, v in file["geldart"].attrs.items()})
+    else:
+        version = subprocess.run([program(), "--version"], capture_output=True, text=True, check=True).stdout.strip()
     with path.open("w", newline="") as file:
         file.write(f"# {version}; cases/{path.parent.name}/validate.py; seed {' and '.join(map(str, seeds))}\n")
         file.writelines(f"# {remark}\n" for remark in remarks)

@@ -8,6 +8,7 @@ import pytest
 from conftest import ROOT
 
 sys.path.insert(0, str(ROOT / "cases"))
+import fluidization  # noqa: E402
 import results  # noqa: E402
 
 
@@ -70,3 +71,20 @@ def test_bubbles_are_followed():
     assert bubbles.frames_with == 5
     assert np.max(bubbles.speeds) == pytest.approx(0.4)
     assert np.max(bubbles.sizes) == pytest.approx(np.sqrt(4 / np.pi * 12) * 4e-3)
+
+
+def test_velocity_that_carries_a_powder():
+    """75 um, 1500 kg/m3 and 1.2 mm, 1000 kg/m3 at a void fraction of 0.42, by two laws, computed elsewhere."""
+    fine, coarse = ((np.array([d]), np.array([3.0])) for d in (75e-6, 1.2e-3))
+    for powder, solid, law, expected in ((fine, 1500, fluidization.gidaspow, 0.003911294561),
+                                         (fine, 1500, fluidization.beetstra, 0.003223642369),
+                                         (coarse, 1000, fluidization.gidaspow, 0.4043809163),
+                                         (coarse, 1000, fluidization.beetstra, 0.3837603358)):
+        assert fluidization.carrying_velocity(0.42, powder, solid, law) == pytest.approx(expected, rel=1e-9)
+
+
+def test_crossing_of_a_packed_bed():
+    """2 U + 3 U^2 is 1 at a third; a straight line, too."""
+    u = np.array([0.05, 0.1, 0.2])
+    assert fluidization.crossing(u, 2 * u + 3 * u**2) == pytest.approx([1 / 3, 2, 3])
+    assert fluidization.crossing(u, 4 * u)[0] == pytest.approx(0.25)

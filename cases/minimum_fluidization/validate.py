@@ -9,7 +9,6 @@ says it must be.
 
 import csv
 import os
-import shutil
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
@@ -25,6 +24,7 @@ import matplotlib.pyplot as plt  # noqa: E402
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 sys.path.insert(0, str(HERE.parent))
+from fluidization import DENSITY, GRAVITY, carrying_velocity, crossing, step_through  # noqa: E402
 from results import Run  # noqa: E402
 
 WEIGHTINGS = ("ssp", "ssw")
@@ -33,25 +33,13 @@ VELOCITIES = (0.44, 0.40, 0.37, 0.34, 0.32, 0.30, 0.28, 0.26, 0.22, 0.18, 0.14, 
 BUBBLING, SETTLING = 0.3, 0.1  # s, at the first velocity and at each other
 PACKED, STEADY = 0.9, 0.01  # a bed is packed if its pressure drop is a smaller share of its weight, and does not change
 BULK = slice(1, 8)  # layers of cells that are deep in the bed and off the distributor at any velocity that packs it
-DENSITY, VISCOSITY, SOLID, GRAVITY = 1.2, 1.8e-5, 2500.0, 9.81
+SOLID = 2500.0  # kg/m3
 
 
-def throttle(program, folder, *options, velocities=VELOCITIES, bubbling=BUBBLING, settling=SETTLING):
+def throttle(program, folder, *options):
     """Run the bed at each velocity in turn and return what was measured at each."""
-    points, before, end = [], [], 0.0
-    shutil.rmtree(folder, ignore_errors=True)
-    for velocity in velocities:
-        end += settling if before else bubbling
-        out = Path(folder) / f"{velocity:.2f}"
-        sets = [f"boundary(distributor)%velocity={velocity}", f"run%end_time={end:.4f}", *options]
-        command = ["sh", str(ROOT / "src/build/launch.sh"), "1", str(program), str(HERE / "case.nml"), "--out", str(out),
-                   *before, *(word for option in sets for word in ("--set", option))]
-        done = subprocess.run(command, capture_output=True, text=True)
-        if done.returncode:
-            sys.exit(f"{' '.join(command)}\nended with {done.returncode}\n{done.stderr}")
-        points.append(measure(out, velocity))
-        before = ["--restart", str(out / "restart.h5")]
-    return points
+    stages = [(velocity, SETTLING if number else BUBBLING) for number, velocity in enumerate(VELOCITIES)]
+    return step_through(HERE, program, folder, stages, measure, options)
 
 
 def measure(folder, velocity):
@@ -66,45 +54,16 @@ def measure(folder, velocity):
     eps = np.mean([run.gas("void_fraction", s)[:, BULK, :].mean() for s in frames])
     powder = run.parcels(-1)
     return SimpleNamespace(velocity=velocity, ratio=ratio.mean(), packed=ratio.mean() < PACKED and ratio.std() < STEADY,
-                           eps=eps, diameter=powder["diameter"], weight=powder["weight"])
-
-
-def ergun(reynolds, eps):
-    """Drag over Stokes drag of the superficial velocity: the Gidaspow law where void fractions are below 0.8."""
-    return (150 * (1 - eps) + 1.75 * reynolds) / (18 * eps**2)
-
-
-def carried(velocity, eps, diameter, weight):
-    """Drag of real particles over the share of their weight, less buoyancy, that drag carries in a fluidized bed.
-
-    The pressure gradient is the weight of all particles per volume of bed; on a particle it carries 1 - eps of its weight.
-    """
-    reynolds = DENSITY * velocity * diameter / VISCOSITY
-    drag = 3 * np.pi * VISCOSITY * diameter * ergun(reynolds, eps) * velocity
-    volume = np.pi / 6 * diameter**3
-    return np.sum(weight * drag) / np.sum(weight * volume * (SOLID - DENSITY) * GRAVITY * eps)
-
-
-def law_umf(eps, diameter, weight):
-    """Velocity at which the drag law carries the powder at a void fraction [m/s]."""
-    low, high = 1e-4, 5.0
-    for _ in range(60):
-        middle = (low + high) / 2
-        if carried(middle, eps, diameter, weight) < 1:
-            low = middle
-        else:
-            high = middle
-    return low
+                           eps=eps, powder=(powder["diameter"], powder["weight"]))
 
 
 def find_umf(points):
     """Umf, the void fraction to which the bed has settled there, and what the drag law makes of it."""
     packed = [p for p in points if p.packed]
     u, y, eps = (np.array([getattr(p, name) for p in packed]) for name in ("velocity", "ratio", "eps"))
-    (a, b), *_ = np.linalg.lstsq(np.stack([u, u**2], axis=1), y, rcond=None)
-    umf = 2 / (a + np.sqrt(a**2 + 4 * b))  # the positive root of a U + b U^2 = 1, also for b = 0
+    umf, a, b = crossing(u, y)
     settled = np.polyval(np.polyfit(u, eps, 1), umf)
-    return SimpleNamespace(umf=umf, eps=settled, law=law_umf(settled, points[0].diameter, points[0].weight), a=a, b=b)
+    return SimpleNamespace(umf=umf, eps=settled, law=carrying_velocity(settled, points[0].powder, SOLID), a=a, b=b)
 
 
 def summary(found):
