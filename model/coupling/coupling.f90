@@ -14,7 +14,7 @@
 module coupling
   use boxes, only: boxes_t
   use communicator, only: communicator_t
-  use constants, only: pi
+  use constants, only: pi, is_set
   use coupling_settings, only: coupling_settings_t
   use drag_response, only: drag_t, particles_t, new_drag, block
   use gas, only: gas_t
@@ -25,6 +25,7 @@ module coupling
   use mesh, only: mesh_t
   use parcels, only: parcels_t, velocity_row, mass_row, drive_row, drag_row, before_row
   use tiles, only: tiles_t
+  use spreading, only: spreading_t
   use transfer, only: transfer_t, new_transfer
   use window, only: window_t, new_window
   implicit none
@@ -63,6 +64,8 @@ module coupling
     real(wp) :: slack                       !< [m]
     type(window_t) :: window
     type(transfer_t) :: transfer
+    logical :: cell_centred                 !< whether a parcel touches its cell only
+    type(spreading_t), allocatable :: spreading  !< over more cells; exists with a width
     type(local_sizes_t), allocatable, public :: sizes  !< of the particles around each; exists with polydispersity
     real(wp), allocatable :: box_field(:,:,:,:)  !< (lanes,n1,n2,n3) what parcels read
     real(wp), allocatable :: box_vector(:,:,:,:)  !< (3,n1,n2,n3)
@@ -106,6 +109,11 @@ contains
       allocate (self%box_volume(n(1), n(2), n(3)), source=0.0_wp)
     end associate
     allocate (self%corner(0), self%fraction(3, 0), self%response(4, 0))
+    self%cell_centred = settings%mapping == 'cell'
+    if (is_set(settings%width)) then
+      allocate (self%spreading)
+      call self%spreading%create(boxes, mesh, settings%width, lanes)
+    end if
     if (settings%polydispersity == 'none') return
     allocate (self%sizes)
     call self%sizes%create(boxes)
@@ -150,6 +158,7 @@ contains
     call reserve(self, parcels%n)
     call locate(self%window, parcels%state, self%corner(:self%n), self%fraction(:, :self%n), outside)
     if (outside > 0) error stop 'coupling: a parcel is nowhere, or beyond the cells around the tiles of its rank'
+    if (self%cell_centred) self%fraction(:, :self%n) = anint(self%fraction(:, :self%n))
     self%volume = 0.0_wp
     associate (volume => pi/6.0_wp*parcels%weight(:self%n)*parcels%diameter(:self%n)**3)
       total = sum(volume)
@@ -157,12 +166,13 @@ contains
     end associate
     self%box_volume = 0.0_wp
     call self%transfer%scatter_add(1, self%volume, self%box_volume)
+    if (allocated(self%spreading)) call self%spreading%give(1, self%box_volume)
     self%box_volume = 1.0_wp - self%box_volume/self%mesh%volume
     call record_clipping(self, total)
     n = self%boxes%n
     gas%eps(1:n(1), 1:n(2), 1:n(3)) = max(self%box_volume, self%minimum_void_fraction)
     if (allocated(self%sizes)) call self%sizes%measure(self%window, self%transfer, parcels, self%corner(:self%n), &
-                                                       self%fraction(:, :self%n))
+                                                       self%fraction(:, :self%n), self%spreading)
   end subroutine map_void_fraction
 
   !> Room for the places of n parcels.
@@ -220,6 +230,7 @@ contains
     end do
     self%box_source = 0.0_wp
     call self%transfer%scatter_add(source_lanes, self%source, self%box_source)
+    if (allocated(self%spreading)) call self%spreading%give(source_lanes, self%box_source)
     n = self%boxes%n
     gas%drag(1:n(1), 1:n(2), 1:n(3)) = self%box_source(coefficient_lane, :, :, :)
     do a = 1, 3
@@ -240,6 +251,7 @@ contains
     self%box_field(velocity_lane:velocity_lane + 2, :, :, :) = self%box_vector
     call gas%cell_pressure_gradient(self%box_vector)
     self%box_field(gradient_lane:gradient_lane + 2, :, :, :) = self%box_vector
+    if (allocated(self%spreading)) call self%spreading%take(lanes, self%box_field)
     call self%transfer%gather(lanes, self%box_field, self%field)
   end subroutine sample_gas
 

@@ -1,6 +1,7 @@
 !> The &coupling group: what gas and parcels do to each other.
 module coupling_settings
   use case_keys, only: keys_t
+  use constants, only: unset
   use drag_syamlal_obrien, only: continuous_d1
   use kinds, only: wp
   use text, only: brief, word_length
@@ -18,6 +19,8 @@ module coupling_settings
     real(wp) :: syamlal_d1 = 2.65_wp                     !< of syamlal_obrien [-]
     character(len=word_length) :: polydispersity = 'none'  !< or 'beetstra', 'yin_sundaresan', 'cello': see sizes_*
     real(wp) :: minimum_void_fraction = 0.3_wp           !< the gas never sees less [-]
+    character(len=word_length) :: mapping = 'linear'     !< 'linear' | 'cell': see mapping
+    real(wp) :: width = unset                            !< standard deviation of spreading, unset: none [m]
   end type coupling_settings_t
 
 contains
@@ -40,6 +43,10 @@ contains
       call keys%require(choice /= 'cello' .or. drag == 'cello', 'polydispersity', 'goes with drag = ''cello''')
     end associate
     call keys%get('minimum_void_fraction', settings%minimum_void_fraction, 'the gas never sees less [-]', '[0.05, 0.6]')
+    call keys%get('mapping', settings%mapping, 'cells that a parcel touches: linear: the eight around it, by distance; '// &
+                  'cell: the one it is in', 'linear | cell')
+    call keys%get('width', settings%width, 'what parcels give to cells and see of them is spread by diffusion: standard '// &
+                  'deviation in each direction; not given: not spread [m]', '(0, inf)')
   end subroutine declare_coupling
 
   !> The constants to be tuned of Syamlal and O'Brien's law.

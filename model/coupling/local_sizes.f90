@@ -11,6 +11,7 @@ module local_sizes
   use kinds, only: wp
   use mapping, only: deposit_sources, interpolate_sources, source_lanes
   use parcels, only: parcels_t
+  use spreading, only: spreading_t
   use transfer, only: transfer_t
   use window, only: window_t
   implicit none
@@ -44,13 +45,14 @@ contains
   end subroutine create
 
   !> Find <d> and S at parcels whose places are known; all ranks together.
-  subroutine measure(self, window, transfer, parcels, corner, fraction)
+  subroutine measure(self, window, transfer, parcels, corner, fraction, spreading)
     class(local_sizes_t), intent(inout) :: self
     type(window_t), intent(in) :: window
     type(transfer_t), intent(inout) :: transfer
     type(parcels_t), intent(in) :: parcels
     integer, intent(in) :: corner(:)        !< (parcels) and
     real(wp), intent(in) :: fraction(:,:)   !< (3,parcels) the places, see mapping
+    type(spreading_t), intent(inout), optional :: spreading  !< of what is given and taken
 
     real(wp) :: moment(source_lanes, block)
     integer :: first, last, i
@@ -68,6 +70,10 @@ contains
     end do
     self%box = 0.0_wp
     call transfer%scatter_add(source_lanes, self%cells, self%box)
+    if (present(spreading)) then
+      call spreading%give(source_lanes, self%box)
+      call spreading%take(source_lanes, self%box)
+    end if
     call transfer%gather(source_lanes, self%box, self%cells)
     do first = 1, size(corner), block
       last = min(size(corner), first + block - 1)

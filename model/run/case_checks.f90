@@ -16,6 +16,8 @@ module case_checks
   public :: check_case
 
   real(wp), parameter :: closeness = 1.0e-6_wp      !< of a cell or the domain: what counts as lying on a plane
+  real(wp), parameter :: widest = 0.25_wp           !< coupling's width over the shortest edge of more than one cell
+  real(wp), parameter :: narrowest = 0.5_wp         !< coupling's width over that of parcels wider than a cell
   real(wp), parameter :: fullest = 0.64_wp          !< solids fraction of random close packing of equal spheres
 
 contains
@@ -35,6 +37,7 @@ contains
     end associate
     call check_flow(case, keys)
     if (case%with_gas) call check_driving(case, keys)
+    if (domain_known .and. is_set(case%coupling%width)) call check_width(case, keys)
     if (case%with_gas .and. is_set(case%run%end_time)) then
       call keys%require_at(case%gas_numerics%time_step <= case%run%end_time, 'run', 1, 'end_time', &
                            'is less than one time_step of &numerics, '//shown(case%gas_numerics%time_step)//' s')
@@ -46,6 +49,20 @@ contains
     call check_fills(case, keys)
     call check_walls(case, keys)
   end subroutine check_case
+
+  !> Spreading is meant to be local, and takes work that grows with the cells it reaches.
+  subroutine check_width(case, keys)
+    type(case_t), intent(in) :: case
+    type(keys_t), intent(inout) :: keys
+
+    real(wp) :: shortest
+
+    associate (domain => case%domain)
+      shortest = minval(domain%upper - domain%lower, domain%cells /= 1)
+    end associate
+    call keys%require_at(case%coupling%width <= widest*shortest, 'coupling', 1, 'width', &
+                         'is more than a quarter of the domain, '//brief(shortest)//' m')
+  end subroutine check_width
 
   !> An incompressible gas that flows in must flow out.
   subroutine check_flow(case, keys)
@@ -242,11 +259,32 @@ contains
       if (has_box(fill%lower, fill%upper)) call keys%require_at(all(largest <= fill%upper - fill%lower), 'fill', i, '', &
                                                                 'its parcels are up to '//size_text//', wider than the box')
     end associate
-    if (any(case%domain%cells == 0)) return
-    width = width/case%domain%cells
-    call keys%require_at(all(largest <= width), 'grid', 1, 'cells', 'parcels of &fill('//trim(case%fills(i)%id) &
-                         //') are up to '//size_text//', wider than a cell: '//brief(minval(width))//' m')
+    call check_cells(case, i, largest, keys)
   end subroutine check_sizes
+
+  !> Parcels wider than a cell must be spread over several, or single cells would be full of one.
+  subroutine check_cells(case, i, largest, keys)
+    type(case_t), intent(in) :: case
+    integer, intent(in) :: i
+    real(wp), intent(in) :: largest  !< parcel [m]
+    type(keys_t), intent(inout) :: keys
+
+    real(wp) :: cell
+    character(len=:), allocatable :: parcels
+
+    if (any(case%domain%cells == 0)) return
+    cell = minval((case%domain%upper - case%domain%lower)/case%domain%cells)
+    if (largest <= cell) return
+    parcels = 'parcels of &fill('//trim(case%fills(i)%id)//') are up to '//brief(largest)//' m wide, wider than a cell: ' &
+      //brief(cell)//' m'
+    if (is_set(case%coupling%width)) then
+      call keys%require_at(case%coupling%width >= narrowest*largest, 'coupling', 1, 'width', &
+                           parcels//', and must be spread by '//brief(narrowest*largest)//' m or more')
+    else
+      call keys%require_at(.false., 'grid', 1, 'cells', parcels//'; &coupling width = '//brief(narrowest*largest) &
+                           //' m or more would spread them')
+    end if
+  end subroutine check_cells
 
   !> A box, with the other fills that lie in it, is not fuller than spheres can be packed.
   subroutine check_room(case, i, plans, keys)

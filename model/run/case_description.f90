@@ -133,6 +133,10 @@ contains
                                                     //shown(coupling%syamlal_d1)
       if (coupling%polydispersity /= 'none') text = text//', by size over the mean around ('//trim(coupling%polydispersity)//')'
       call line(unit, 'coupling', text//'; the gas sees a void fraction of '//shown(coupling%minimum_void_fraction)//' or more')
+      text = 'the eight cells around it'
+      if (coupling%mapping == 'cell') text = 'the cell it is in'
+      if (is_set(coupling%width)) text = text//', spread by '//shown(coupling%width)//' m (standard deviation)'
+      if (coupling%mapping == 'cell' .or. is_set(coupling%width)) call line(unit, '', 'a parcel meets '//text)
       if (coupling%polydispersity == 'beetstra') call line(unit, '', 'particles of one size only would feel 1.064 times the drag')
     end associate
   end subroutine describe_coupling

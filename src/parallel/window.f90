@@ -9,7 +9,7 @@ module window
   use kinds, only: wp
   implicit none
   private
-  public :: window_t, new_window
+  public :: window_t, new_window, range_of_cells
 
   real(wp), parameter :: round_off = 1.0e-9_wp  !< of a cell
 
@@ -60,6 +60,23 @@ contains
       call mark(window%n, lo(:, i) - window%lo + 1, hi(:, i) - window%lo + 1, window%wanted)
     end do
   end function new_window
+
+  !> The window of all cells of a range, which no parcel has to touch.
+  pure function range_of_cells(grid, periodic, lo, hi) result(window)
+    integer, intent(in) :: grid(3)         !< cells of the whole grid
+    logical, intent(in) :: periodic(3)
+    integer, intent(in) :: lo(3), hi(3)    !< first and last cell; images beyond the grid where it is periodic
+    type(window_t) :: window
+
+    window%grid = grid
+    window%periodic = periodic
+    window%lower = 0.0_wp
+    window%h = 1.0_wp
+    window%lo = lo
+    window%hi = hi
+    window%n = hi - lo + 1
+    allocate (window%wanted(product(window%n)), source=.true.)
+  end function range_of_cells
 
   !> The range of cells a parcel in a box, or within the margin around it, can touch.
   pure subroutine touched(window, corners, margin, lo, hi)

@@ -16,7 +16,7 @@ module coupling_scene
   use tiles, only: tiles_t, new_tiles
   implicit none
   private
-  public :: scene_t, build, add, refill, step, set_gas, gravity, viscosity, density
+  public :: scene_t, build, add, refill, recouple, step, set_gas, gravity, viscosity, density
 
   real(wp), parameter :: gravity(3) = [0.0_wp, -9.81_wp, 0.0_wp]
   real(wp), parameter :: viscosity = 1.8e-5_wp, density = 1.2_wp
@@ -85,6 +85,19 @@ contains
     call new_gas(scene%boxes, scene%mesh, settings, records, numerics, scene%gas, outcome)
     if (outcome%failed()) error stop 'coupling_scene: the gas cannot be made'
   end subroutine refill
+
+  !> Couple the phases of a scene anew, by other settings.
+  subroutine recouple(scene, settings)
+    type(scene_t), intent(inout) :: scene
+    type(coupling_settings_t), intent(in) :: settings
+
+    type(gas_settings_t) :: gas_settings
+
+    gas_settings%density = density
+    gas_settings%viscosity = viscosity
+    call scene%coupling%create(scene%mesh, scene%boxes, settings, gas_settings, gravity)
+    call scene%coupling%follow_tiles(scene%tiles, 0.01_wp*(scene%mesh%upper(2) - scene%mesh%lower(2)))
+  end subroutine recouple
 
   !> Give the gas one velocity within the domain and one pressure gradient.
   subroutine set_gas(scene, velocity, gradient)

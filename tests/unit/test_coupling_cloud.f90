@@ -2,8 +2,10 @@
 program test_coupling_cloud
   use check, only: expect, expect_close, finish
   use communicator, only: communicator_t, start_ranks, stop_ranks
-  use constants, only: pi
-  use coupling_scene, only: scene_t, build, add, gravity, viscosity, density
+  use constants, only: pi, is_set
+  use coupling_scene, only: scene_t, build, add, recouple, gravity, viscosity, density
+  use coupling_settings, only: coupling_settings_t
+  use diffusion_kernel, only: kernel_row, kernel_reach
   use drag_gidaspow, only: gidaspow
   use kinds, only: wp
   use mesh, only: mesh_t
@@ -24,6 +26,10 @@ program test_coupling_cloud
 
   call start_ranks(comm)
   call check_cloud([8, 12, 6], [.false., .false., .false.], 'walls')
+  call check_cloud([8, 12, 6], [.false., .false., .false.], 'walls, by cell', 'cell')
+  call check_cloud([8, 12, 6], [.false., .false., .false.], 'walls, wide', width=0.02_wp)
+  call check_cloud([8, 10, 6], [.true., .false., .true.], 'periodic in x and z, by cell and wide', 'cell', 0.025_wp)
+  call check_cloud([12, 16, 1], [.true., .false., .false.], 'one cell thick, wide', width=0.004_wp)
   call check_cloud([8, 10, 6], [.true., .false., .true.], 'periodic in x and z')
   call check_cloud([12, 16, 1], [.true., .false., .false.], 'one cell thick')
   call check_clipping()
@@ -32,11 +38,14 @@ program test_coupling_cloud
 
 contains
 
-  subroutine check_cloud(n, periodic, name)
+  subroutine check_cloud(n, periodic, name, mapping, width)
     integer, intent(in) :: n(3)
     logical, intent(in) :: periodic(3)
     character(len=*), intent(in) :: name
+    character(len=*), intent(in), optional :: mapping  !< 'linear' unless given
+    real(wp), intent(in), optional :: width            !< none unless given [m]
 
+    type(coupling_settings_t) :: settings
     type(scene_t) :: scene
     type(cloud_t) :: cloud
     real(wp), allocatable :: expected(:,:,:,:), given(:,:,:,:)
@@ -44,12 +53,15 @@ contains
     integer :: a
 
     call build(comm, 0.1_wp, n, periodic, 'gidaspow', scene)
+    if (present(mapping)) settings%mapping = mapping
+    if (present(width)) settings%width = width
+    if (present(mapping) .or. present(width)) call recouple(scene, settings)
     call make_cloud(cloud)
     call add_cloud(cloud, scene)
     call stir(scene)
     call scene%coupling%map_void_fraction(scene%parcels, scene%gas)
     call scene%coupling%prepare(scene%parcels, scene%gas, dt)
-    call direct_sum(scene, cloud, expected, force)
+    call direct_sum(scene, cloud, settings, expected, force)
     allocate (given, mold=expected)
     associate (m => scene%boxes%n)
       given(4, :, :, :) = on_all_ranks(scene, scene%gas%drag(1:m(1), 1:m(2), 1:m(3)))
@@ -155,9 +167,10 @@ contains
 
   !> Source 1:3, coefficient of drag 4 and void fraction 5 of every cell, and the force on all parcels, each parcel
   !> taken by itself and cells found by their distance.
-  subroutine direct_sum(scene, cloud, expected, force)
+  subroutine direct_sum(scene, cloud, settings, expected, force)
     type(scene_t), intent(in) :: scene
     type(cloud_t), intent(in) :: cloud
+    type(coupling_settings_t), intent(in) :: settings
     real(wp), allocatable, intent(out) :: expected(:,:,:,:)
     real(wp), intent(out) :: force(3)
 
@@ -181,13 +194,13 @@ contains
     do m = 1, total
       volume = pi/6*cloud%diameter(m)**3
       expected(5, :, :, :) = expected(5, :, :, :) &
-        - weights(scene%mesh, cloud%x(:, m) + cloud%moved(:, m))*cloud%weight(m)*volume/scene%mesh%volume
+        - weights(scene%mesh, settings, cloud%x(:, m) + cloud%moved(:, m))*cloud%weight(m)*volume/scene%mesh%volume
     end do
     force = 0.0_wp
     do m = 1, total
       volume = pi/6*cloud%diameter(m)**3
       mass = solid_density*volume
-      w = weights(scene%mesh, cloud%x(:, m) + cloud%moved(:, m))
+      w = weights(scene%mesh, settings, cloud%x(:, m) + cloud%moved(:, m))
       eps = sum(w*expected(5, :, :, :))
       slip = [(sum(w*u(:, :, :, a)), a=1, 3)]
       acceleration = (cloud%velocity(:, m) - cloud%before(:, m))/dt_before - cloud%drag(:, m)/eps
@@ -230,9 +243,11 @@ contains
   end subroutine exact_shares
 
   !> The weight of every cell of the grid for a parcel: the distance to its centre, or that of its nearest image, in
-  !> each direction; beyond the outermost centres between walls, the outermost cell alone.
-  function weights(mesh, x) result(w)
+  !> each direction; beyond the outermost centres between walls, the outermost cell alone. Or the cell that it is in.
+  !> Spread by width, if there is one.
+  function weights(mesh, settings, x) result(w)
     type(mesh_t), intent(in) :: mesh
+    type(coupling_settings_t), intent(in) :: settings
     real(wp), intent(in) :: x(3)
     real(wp) :: w(mesh%n(1), mesh%n(2), mesh%n(3))
 
@@ -243,12 +258,14 @@ contains
     do a = 1, 3
       s = (x(a) - mesh%lower(a))/mesh%h(a) + 0.5_wp
       if (.not. mesh%periodic(a)) s = min(max(s, 1.0_wp), real(mesh%n(a), wp))
+      if (settings%mapping == 'cell') s = anint(s)
       do c = 1, mesh%n(a)
         do image = -1, 1
           if (image /= 0 .and. .not. mesh%periodic(a)) cycle
           one(c, a) = one(c, a) + max(0.0_wp, 1 - abs(s - c - image*mesh%n(a)))
         end do
       end do
+      if (is_set(settings%width)) one(:mesh%n(a), a) = widened(mesh, a, settings%width, one(:mesh%n(a), a))
     end do
     do k = 1, mesh%n(3)
       do j = 1, mesh%n(2)
@@ -258,6 +275,32 @@ contains
       end do
     end do
   end function weights
+
+  !> Shares of the cells of a row, each gone where diffusion takes it.
+  function widened(mesh, a, width, share) result(wide)
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: a           !< direction of the row
+    real(wp), intent(in) :: width      !< [m]
+    real(wp), intent(in) :: share(:)
+    real(wp) :: wide(size(share))
+
+    real(wp) :: h(size(share))
+    real(wp), allocatable :: row(:)
+    integer :: i, m, reach, to
+
+    wide = share
+    if (size(share) == 1) return
+    h = mesh%h(a)
+    reach = kernel_reach(h, width)
+    wide = 0.0_wp
+    do i = 1, size(share)
+      row = kernel_row(h, mesh%periodic(a), width, i, reach)
+      do m = -reach, reach
+        to = modulo(i + m - 1, size(share)) + 1
+        wide(to) = wide(to) + share(i)*row(m + reach + 1)
+      end do
+    end do
+  end function widened
 
   !> Ten parcels in the middle of one cell hold more than the cell: the gas sees the least void fraction, and the
   !> ledger says what it does not see.
