@@ -15,9 +15,12 @@ module mapping
   use window, only: window_t
   implicit none
   private
-  public :: locate, interpolate, interpolate_sources, deposit, deposit_sources, lanes, source_lanes
+  public :: locate, interpolate, interpolate_sources, deposit, deposit_sources, lanes, source_lanes, linear_variance, cell_variance
 
   integer, parameter :: lanes = 8         !< components of a field to interpolate: one line of cache
+  !> Mean square distance of a parcel from where its cells' centres are, over the width of a cell squared, mean over all
+  !> places: of linear weights f (1 - f), of the cell alone f^2.
+  real(wp), parameter :: linear_variance = 1.0_wp/6.0_wp, cell_variance = 1.0_wp/12.0_wp
   integer, parameter :: source_lanes = 4  !< components of a source to deposit, or of what is known of sizes
 
 contains

@@ -25,7 +25,7 @@ module spreading
 
   !> The kernel along one direction.
   type :: direction_t
-    logical :: active = .false.             !< false: one cell across
+    logical :: active = .false.             !< false: one cell across, or the mapping alone is so wide
     integer :: reach                        !< cells
     integer :: lo, hi                       !< cells gathered, counted in my box from 1
     type(transfer_t) :: transfer            !< fills these
@@ -47,11 +47,12 @@ module spreading
 contains
 
   !> All ranks together.
-  subroutine create(self, boxes, mesh, width, components)
+  subroutine create(self, boxes, mesh, width, mapped, components)
     class(spreading_t), intent(inout) :: self
     type(boxes_t), intent(in) :: boxes
     type(mesh_t), intent(in) :: mesh
-    real(wp), intent(in) :: width        !< standard deviation of the kernel in each direction [m]
+    real(wp), intent(in) :: width        !< standard deviation in each direction, mapping included [m]
+    real(wp), intent(in) :: mapped       !< variance of the mapping over the width of a cell squared [-]
     integer, intent(in) :: components    !< most components a field will have
 
     type(window_t) :: window
@@ -59,10 +60,11 @@ contains
 
     self%n = boxes%n
     do a = 1, 3
-      if (boxes%cells(a) == 1) cycle
+      if (boxes%cells(a) == 1 .or. mapped*mesh%h(a)**2 >= width**2) cycle
       associate (direction => self%direction(a))
         direction%active = .true.
-        call find_rows(direction, spread(mesh%h(a), 1, mesh%n(a)), mesh%periodic(a), width, boxes%lo(a), boxes%n(a))
+        call find_rows(direction, spread(mesh%h(a), 1, mesh%n(a)), mesh%periodic(a), width, mapped, &
+                       boxes%lo(a), boxes%n(a))
         lo = boxes%lo
         hi = boxes%hi
         lo(a) = lo(a) + direction%lo - 1
@@ -75,11 +77,12 @@ contains
   end subroutine create
 
   !> The rows of K for the cells of my box, and the cells they need.
-  pure subroutine find_rows(direction, h, periodic, width, first, n)
+  pure subroutine find_rows(direction, h, periodic, width, mapped, first, n)
     type(direction_t), intent(inout) :: direction
     real(wp), intent(in) :: h(:)        !< widths of all cells [m]
     logical, intent(in) :: periodic
     real(wp), intent(in) :: width       !< [m]
+    real(wp), intent(in) :: mapped      !< [-]
     integer, intent(in) :: first, n     !< cells of my box
 
     integer :: i, m, j
@@ -92,7 +95,7 @@ contains
       if (.not. periodic) direction%hi = min(direction%hi, size(h) + 1 - first)
       allocate (direction%taken(-reach:reach, n), direction%given(-reach:reach, n))
       do i = 1, n
-        direction%taken(:, i) = kernel_row(h, periodic, width, first + i - 1, reach)
+        direction%taken(:, i) = kernel_row(h, periodic, width, mapped, first + i - 1, reach)
         do m = -reach, reach
           j = modulo(first + i + m - 2, size(h)) + 1
           direction%given(m, i) = direction%taken(m, i)*(h(first + i - 1)/h(j))

@@ -16,7 +16,7 @@ module case_checks
   public :: check_case
 
   real(wp), parameter :: closeness = 1.0e-6_wp      !< of a cell or the domain: what counts as lying on a plane
-  real(wp), parameter :: widest = 0.25_wp           !< coupling's width over the shortest edge of more than one cell
+  real(wp), parameter :: widest = 0.25_wp           !< coupling's width over the longest edge of more than one cell
   real(wp), parameter :: narrowest = 0.5_wp         !< coupling's width over that of parcels wider than a cell
   real(wp), parameter :: fullest = 0.64_wp          !< solids fraction of random close packing of equal spheres
 
@@ -55,13 +55,13 @@ contains
     type(case_t), intent(in) :: case
     type(keys_t), intent(inout) :: keys
 
-    real(wp) :: shortest
+    real(wp) :: longest
 
     associate (domain => case%domain)
-      shortest = minval(domain%upper - domain%lower, domain%cells /= 1)
+      longest = maxval(domain%upper - domain%lower, domain%cells /= 1)
     end associate
-    call keys%require_at(case%coupling%width <= widest*shortest, 'coupling', 1, 'width', &
-                         'is more than a quarter of the domain, '//brief(shortest)//' m')
+    call keys%require_at(case%coupling%width <= widest*longest, 'coupling', 1, 'width', &
+                         'is more than a quarter of the domain, '//brief(longest)//' m long')
   end subroutine check_width
 
   !> An incompressible gas that flows in must flow out.
@@ -274,11 +274,11 @@ contains
 
     if (any(case%domain%cells == 0)) return
     cell = minval((case%domain%upper - case%domain%lower)/case%domain%cells)
-    if (largest <= cell) return
+    if (largest <= cell*(1 + closeness)) return
     parcels = 'parcels of &fill('//trim(case%fills(i)%id)//') are up to '//brief(largest)//' m wide, wider than a cell: ' &
       //brief(cell)//' m'
     if (is_set(case%coupling%width)) then
-      call keys%require_at(case%coupling%width >= narrowest*largest, 'coupling', 1, 'width', &
+      call keys%require_at(case%coupling%width >= narrowest*largest*(1 - closeness), 'coupling', 1, 'width', &
                            parcels//', and must be spread by '//brief(narrowest*largest)//' m or more')
     else
       call keys%require_at(.false., 'grid', 1, 'cells', parcels//'; &coupling width = '//brief(narrowest*largest) &

@@ -265,7 +265,7 @@ contains
           one(c, a) = one(c, a) + max(0.0_wp, 1 - abs(s - c - image*mesh%n(a)))
         end do
       end do
-      if (is_set(settings%width)) one(:mesh%n(a), a) = widened(mesh, a, settings%width, one(:mesh%n(a), a))
+      if (is_set(settings%width)) one(:mesh%n(a), a) = widened(mesh, a, settings, one(:mesh%n(a), a))
     end do
     do k = 1, mesh%n(3)
       do j = 1, mesh%n(2)
@@ -277,24 +277,25 @@ contains
   end function weights
 
   !> Shares of the cells of a row, each gone where diffusion takes it.
-  function widened(mesh, a, width, share) result(wide)
+  function widened(mesh, a, settings, share) result(wide)
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: a           !< direction of the row
-    real(wp), intent(in) :: width      !< [m]
+    type(coupling_settings_t), intent(in) :: settings
     real(wp), intent(in) :: share(:)
     real(wp) :: wide(size(share))
 
-    real(wp) :: h(size(share))
+    real(wp) :: h(size(share)), mapped
     real(wp), allocatable :: row(:)
     integer :: i, m, reach, to
 
     wide = share
     if (size(share) == 1) return
     h = mesh%h(a)
-    reach = kernel_reach(h, width)
+    mapped = merge(1.0_wp/12, 1.0_wp/6, settings%mapping == 'cell')
+    reach = kernel_reach(h, settings%width)
     wide = 0.0_wp
     do i = 1, size(share)
-      row = kernel_row(h, mesh%periodic(a), width, i, reach)
+      row = kernel_row(h, mesh%periodic(a), settings%width, mapped, i, reach)
       do m = -reach, reach
         to = modulo(i + m - 1, size(share)) + 1
         wide(to) = wide(to) + share(i)*row(m + reach + 1)

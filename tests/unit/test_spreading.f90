@@ -41,7 +41,7 @@ contains
 
     reach = kernel_reach(h, ratio*h(1))
     allocate (row(-reach:reach))
-    row = kernel_row(h, .true., ratio*h(1), 7, reach)
+    row = kernel_row(h, .true., ratio*h(1), 0.0_wp, 7, reach)
     write (name, '(a,f0.1)') 's/h = ', ratio
     call expect_close(maxval(abs(row - [(scaled_bessel(abs(m), ratio**2), m=-reach, reach)])), 0.0_wp, 2e-10_wp*row(0), &
                       'exact kernel, '//trim(name))
@@ -77,7 +77,7 @@ contains
 
     reach = kernel_reach(h, s)
     allocate (row(-reach:reach))
-    row = kernel_row(h, .false., s, 3, reach)
+    row = kernel_row(h, .false., s, 0.0_wp, 3, reach)
     worst = 0.0_wp
     do m = -reach, reach
       expected = 0.0_wp
@@ -95,12 +95,12 @@ contains
     h = [(0.01_wp*1.03_wp**i, i=1, 60)]
     middle = [(sum(h(:i)) - 0.5_wp*h(i), i=1, 60)]
     do i = 1, 60
-      row = kernel_row(h, .false., 0.05_wp, i, 200)
+      row = kernel_row(h, .false., 0.05_wp, 0.1_wp, i, 200)
       kernel(i, :) = [(row(j - i), j=1, 60)]
     end do
     call expect_close(maxval(abs([(kernel(i, :)*h(i) - kernel(:, i)*h, i=1, 60)])), 0.0_wp, 1e-16_wp, 'graded: both ways alike')
     variance = sum(kernel(30, :)*(middle - middle(30))**2)
-    call expect_close(variance, 0.05_wp**2, 0.02_wp, 'graded: variance')
+    call expect_close(variance, 0.05_wp**2 - 0.1_wp*h(30)**2, 0.02_wp, 'graded: variance')
     call expect(kernel_reach(h, 0.05_wp) > 7*0.05_wp/h(1), 'graded: reach')
   end subroutine check_graded
 
@@ -110,7 +110,7 @@ contains
     logical, intent(in) :: periodic(3)
     character(len=*), intent(in) :: name
 
-    real(wp), parameter :: width = 0.31_wp
+    real(wp), parameter :: width = 0.31_wp, mapped = 1.0_wp/6.0_wp
     type(mesh_t) :: mesh
     type(boxes_t) :: boxes
     type(spreading_t) :: spreading
@@ -121,14 +121,14 @@ contains
     mesh = new_mesh([0.0_wp, 0.0_wp, 0.0_wp], [1.0_wp, 2.0_wp, 1.5_wp], n, periodic)
     call new_boxes(comm, n, periodic, boxes, outcome)
     if (outcome%failed()) error stop 'test_spreading: no boxes'
-    call spreading%create(boxes, mesh, width, components)
+    call spreading%create(boxes, mesh, width, mapped, components)
     amount = reshape([(modulo(0.6180339887_wp*a, 1.0_wp), a=1, size(amount))], shape(amount))
     field = reshape([(modulo(0.7548776662_wp*a, 1.0_wp) - 0.5_wp, a=1, size(field))], shape(field))
     given = on_all_ranks(spreading, boxes, amount, .true.)
     taken = on_all_ranks(spreading, boxes, field, .false.)
     direct = amount
     do a = 1, 3
-      call spread_directly(mesh, a, width, direct)
+      call spread_directly(mesh, a, width, mapped, direct)
     end do
     if (.not. comm%is_root()) return
     call expect_close(maxval(abs(given - direct)), 0.0_wp, 1e-14_wp, 'as summed directly, '//name)
@@ -165,10 +165,10 @@ contains
   end function on_all_ranks
 
   !> One direction of the whole grid.
-  subroutine spread_directly(mesh, a, width, field)
+  subroutine spread_directly(mesh, a, width, mapped, field)
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: a
-    real(wp), intent(in) :: width
+    real(wp), intent(in) :: width, mapped
     real(wp), intent(inout) :: field(:,:,:,:)
 
     real(wp), allocatable :: before(:,:,:,:), row(:), h(:)
@@ -181,7 +181,7 @@ contains
     reach = kernel_reach(h, width)
     allocate (row(-reach:reach))
     do i = 1, mesh%n(a)
-      row = kernel_row(h, mesh%periodic(a), width, i, reach)
+      row = kernel_row(h, mesh%periodic(a), width, mapped, i, reach)
       do m = -reach, reach
         j = modulo(i + m - 1, mesh%n(a)) + 1
         select case (a)
