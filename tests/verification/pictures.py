@@ -115,6 +115,21 @@ def shear(rows, curves):
     return figure
 
 
+def crossing(rows, curves):
+    figure, (drop, spectrum) = plt.subplots(1, 2, figsize=(6.4, 2.7))
+    styles = (("cell", PEER, "by cell"), ("linear", "#7fb2da", "trilinear"), ("half", "#4d93cc", "width h/2"), ("one", OURS, "width h"),
+              ("two", "#0b3c66", "width 2 h"))
+    for name, colour, label in styles:
+        x, found, _ = series(curves, f"crossing_{name}")
+        drop.plot(x, found, color=colour, label=label)
+        k, amplitude, _ = series(curves, f"crossing_spectrum_{name}")
+        spectrum.semilogy(k, amplitude, "o-", ms=3, color=colour)
+    drop.set(xlabel="cells crossed", ylabel="pressure drop over its mean", ylim=(0.7, 1.5), title="by cell it reaches 4.8")
+    spectrum.set(xlabel="frequency over that of crossing", ylabel="amplitude over the mean", ylim=(1e-5, 1), title="spectrum")
+    drop.legend(fontsize=6)
+    return figure
+
+
 def errors(rows, curves):
     """Every row that has a peer: our error and MFIX's, both over MFIX's, and the half that is allowed. Cut at a thousandth."""
     compared = [row for row in rows if row["peer"]]
@@ -149,7 +164,7 @@ def draw(rows, curves, folder):
     """All pictures; their paths. The same rows and curves give the same bytes."""
     folder.mkdir(exist_ok=True)
     with plt.rc_context(STYLE):
-        for make in (errors, fall, squeezed, oblique, chung_ooi, order, cavity, cooling, shear):
+        for make in (errors, fall, squeezed, oblique, chung_ooi, order, cavity, cooling, shear, crossing):
             path = folder / f"{make.__name__}.png"
             figure = make(rows, curves)
             figure.savefig(path, metadata={"Software": None})
