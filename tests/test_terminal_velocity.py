@@ -15,7 +15,7 @@ DIAMETER, SOLID, DENSITY, VISCOSITY, GRAVITY, GAS = 100e-6, 2000.0, 1.2, 1.8e-5,
 CASE = """
 &run end_time = 0.35 /
 &domain lower = 0, 0, 0, upper = {w}, {h}, {w}, gravity = 0, -9.81, 0 /
-&grid cells = 5, 20, 5 /
+&grid cells = {cells} /
 &gas density = 1.2, viscosity = 1.8e-5, velocity = 0, 0.4, 0 /
 &powder id = 'grain', density = 2000, distribution = 'single', mean_diameter = 100e-6 /
 &parcels weighting = 'dem' /
@@ -27,7 +27,7 @@ CASE = """
 &boundary id = 'east', kind = 'slip', lower = {w}, 0, 0, upper = {w}, {h}, {w} /
 &boundary id = 'front', kind = 'slip', lower = 0, 0, 0, upper = {w}, {h}, 0 /
 &boundary id = 'back', kind = 'slip', lower = 0, 0, {w}, upper = {w}, {h}, {w} /
-&coupling drag = 'gidaspow' /
+&coupling drag = 'gidaspow'{coupling} /
 &numerics time_step = 1e-3 /
 &output folder = 'results', parcels_interval = 0.01, gas_interval = 0.35, progress = 'none' /
 """
@@ -64,10 +64,10 @@ def terminal_slip():
     return low
 
 
-def fall(geldart, tmp_path, weight, widening, place):
+def fall(geldart, tmp_path, weight, widening, place, cells="5, 20, 5", coupling=""):
     """Times and velocities of the parcel in a box `widening` times 10 x 100 x 10 mm; x and z are `place` of the width."""
     width = 0.01 * widening
-    (tmp_path / "grain.nml").write_text(CASE.format(w=width, h=10 * width))
+    (tmp_path / "grain.nml").write_text(CASE.format(w=width, h=10 * width, cells=cells, coupling=coupling))
     (tmp_path / "grain.csv").write_text(f"x,y,z,d,W\n{place * width},{5 * width},{place * width},{DIAMETER},{weight}\n")
     done = geldart("grain.nml", "--out", f"out{widening}")
     assert done.returncode == 0, done.stderr
@@ -99,3 +99,24 @@ def test_own_wake(geldart, tmp_path):
         errors.append(np.abs(velocity - path(times)).max() / terminal_slip())
     assert errors[0] < 0.0057
     assert errors[1] < 0.4 * errors[0]
+
+
+@pytest.mark.parametrize(
+    "coupling, cells, bounds",
+    [
+        (", mapping = 'cell'", "5, 20, 5", (0.0054, 0.0057)),
+        (", mapping = 'cell', width = 2e-3", "5, 20, 5", (0.0003, 0.0005)),
+        ("", "5, 20, 5", (0.0010, 0.0050)),
+        (", width = 1e-3", "5, 20, 5", (0.0008, 0.0036)),
+        (", width = 1e-3", "10, 40, 10", (0.0013, 0.0015)),
+        (", width = 2e-3", "5, 20, 5", (0.0002, 0.0005)),
+    ],
+)
+def test_wake_and_mapping(geldart, tmp_path, coupling, cells, bounds):
+    """How much of its own wake a particle meets is decided by the width over which both meet, where cells are as narrow, and
+    hardly by its place in the cell. MFIX is off by 0.57 % by its best interpolation, 4.8 % by cell."""
+    errors = []
+    for place in (0.5, 0.6):
+        times, velocity = fall(geldart, tmp_path, 1, 1, place, cells, coupling)
+        errors.append(np.abs(velocity - path(times)).max() / terminal_slip())
+    assert bounds[0] < min(errors) and max(errors) < bounds[1]

@@ -23,6 +23,8 @@ module spreading
   private
   public :: spreading_t
 
+  integer, parameter :: strip = 8  !< numbers added up together
+
   !> The kernel along one direction.
   type :: direction_t
     logical :: active = .false.             !< false: one cell across, or the mapping alone is so wide
@@ -149,13 +151,26 @@ contains
     real(wp), intent(in) :: cells(before, direction%lo:direction%hi, after)
     real(wp), intent(inout) :: sums(before, size(kernel, 2), after)
 
-    integer :: i, m, k
+    real(wp) :: total(strip)
+    integer :: i, m, k, b, first, last
 
     do k = 1, after
       do i = 1, size(kernel, 2)
-        sums(:, i, k) = 0.0_wp
-        do m = max(-direction%reach, direction%lo - i), min(direction%reach, direction%hi - i)
-          sums(:, i, k) = sums(:, i, k) + kernel(m, i)*cells(:, i + m, k)
+        first = max(-direction%reach, direction%lo - i)
+        last = min(direction%reach, direction%hi - i)
+        do b = 1, before - strip + 1, strip
+          total = 0.0_wp
+          do m = first, last
+            total = total + kernel(m, i)*cells(b:b + strip - 1, i + m, k)
+          end do
+          sums(b:b + strip - 1, i, k) = total
+        end do
+        do b = before - modulo(before, strip) + 1, before
+          total(1) = 0.0_wp
+          do m = first, last
+            total(1) = total(1) + kernel(m, i)*cells(b, i + m, k)
+          end do
+          sums(b, i, k) = total(1)
         end do
       end do
     end do
