@@ -69,9 +69,9 @@ def fall(geldart, tmp_path, weight, widening, place, cells="5, 20, 5", coupling=
     width = 0.01 * widening
     (tmp_path / "grain.nml").write_text(CASE.format(w=width, h=10 * width, cells=cells, coupling=coupling))
     (tmp_path / "grain.csv").write_text(f"x,y,z,d,W\n{place * width},{5 * width},{place * width},{DIAMETER},{weight}\n")
-    done = geldart("grain.nml", "--out", f"out{widening}")
+    done = geldart("grain.nml", "--out", f"out{widening}_{place}")
     assert done.returncode == 0, done.stderr
-    parcels = Run(tmp_path / f"out{widening}").parcels
+    parcels = Run(tmp_path / f"out{widening}_{place}").parcels
     velocity = np.array([parcels(step)["velocity"][0] for step in range(parcels.count)])
     assert parcels(-1)["weight"][0] == weight
     assert np.abs(velocity[:, [0, 2]]).max() < 1e-4

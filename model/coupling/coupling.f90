@@ -21,8 +21,7 @@ module coupling
   use gas_settings, only: gas_settings_t
   use kinds, only: wp
   use local_sizes, only: local_sizes_t
-  use mapping, only: locate, interpolate, deposit, deposit_sources, lanes, source_lanes, &
-    linear_variance, cell_variance
+  use mapping, only: locate, interpolate, deposit, deposit_sources, lanes, source_lanes, mapping_variance
   use mesh, only: mesh_t
   use parcels, only: parcels_t, velocity_row, mass_row, drive_row, drag_row, before_row
   use tiles, only: tiles_t
@@ -113,7 +112,7 @@ contains
     self%cell_centred = settings%mapping == 'cell'
     if (is_set(settings%width)) then
       allocate (self%spreading)
-      call self%spreading%create(boxes, mesh, settings%width, merge(cell_variance, linear_variance, self%cell_centred), lanes)
+      call self%spreading%create(boxes, mesh, settings%width, mapping_variance(settings%mapping), lanes)
     end if
     if (settings%polydispersity == 'none') return
     allocate (self%sizes)

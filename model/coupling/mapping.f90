@@ -9,21 +9,29 @@
 !> mapping is that of the cells, whatever the size or the weight of the parcel. Because the same weights spread the
 !> drag over the cells and take the gas velocity from them, what the gas receives is what the parcels give.
 !>
+!> With mapping = 'cell' fractions are rounded, which leaves the one cell a parcel is in. Module spreading widens either.
+!>
 !> A place is kept as the lowest of the eight cells and the three fractions of a cell beyond its centre.
 module mapping
   use kinds, only: wp
   use window, only: window_t
   implicit none
   private
-  public :: locate, interpolate, interpolate_sources, deposit, deposit_sources, lanes, source_lanes, linear_variance, cell_variance
+  public :: locate, interpolate, interpolate_sources, deposit, deposit_sources, lanes, source_lanes, mapping_variance
 
   integer, parameter :: lanes = 8         !< components of a field to interpolate: one line of cache
-  !> Mean square distance of a parcel from where its cells' centres are, over the width of a cell squared, mean over all
-  !> places: of linear weights f (1 - f), of the cell alone f^2.
-  real(wp), parameter :: linear_variance = 1.0_wp/6.0_wp, cell_variance = 1.0_wp/12.0_wp
   integer, parameter :: source_lanes = 4  !< components of a source to deposit, or of what is known of sizes
 
 contains
+
+  !> Mean square distance of a parcel from the centres of its cells in one direction, by their weights, over the width of
+  !> a cell squared, in the mean over all places: that of f (1 - f) for f in [0, 1], or of f^2 for f in [-1/2, 1/2].
+  pure function mapping_variance(name) result(variance)
+    character(len=*), intent(in) :: name  !< 'linear' | 'cell'
+    real(wp) :: variance                  !< [-]
+
+    variance = merge(1.0_wp/12.0_wp, 1.0_wp/6.0_wp, name == 'cell')
+  end function mapping_variance
 
   !> The places of parcels. `outside` counts those beyond the window and those whose position is no number.
   pure subroutine locate(window, position, corner, fraction, outside)

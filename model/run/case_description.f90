@@ -5,6 +5,7 @@ module case_description
   use contact_description, only: describe_contact
   use contact_settings, only: contact_settings_t
   use kinds, only: wp
+  use mapping, only: mapping_variance
   use outcome, only: outcome_t
   use parcel_plan, only: parcel_plan_t, new_parcel_plan, shortest_contact
   use described_line, only: line
@@ -133,13 +134,32 @@ contains
                                                     //shown(coupling%syamlal_d1)
       if (coupling%polydispersity /= 'none') text = text//', by size over the mean around ('//trim(coupling%polydispersity)//')'
       call line(unit, 'coupling', text//'; the gas sees a void fraction of '//shown(coupling%minimum_void_fraction)//' or more')
-      text = 'the eight cells around it'
-      if (coupling%mapping == 'cell') text = 'the cell it is in'
-      if (is_set(coupling%width)) text = text//', spread by '//shown(coupling%width)//' m (standard deviation)'
-      if (coupling%mapping == 'cell' .or. is_set(coupling%width)) call line(unit, '', 'a parcel meets '//text)
+      call describe_mapping(case, unit)
       if (coupling%polydispersity == 'beetstra') call line(unit, '', 'particles of one size only would feel 1.064 times the drag')
     end associate
   end subroutine describe_coupling
+
+  !> Where it is not the usual one.
+  subroutine describe_mapping(case, unit)
+    type(case_t), intent(in) :: case
+    integer, intent(in) :: unit
+
+    character(len=:), allocatable :: text
+    logical :: coarse(3)
+
+    associate (coupling => case%coupling, domain => case%domain)
+      if (coupling%mapping == 'linear' .and. .not. is_set(coupling%width)) return
+      text = 'the eight cells around it'
+      if (coupling%mapping == 'cell') text = 'the cell it is in'
+      if (is_set(coupling%width)) then
+        text = text//', spread by '//shown(coupling%width)//' m (standard deviation)'
+        coarse = mapping_variance(coupling%mapping)*((domain%upper - domain%lower)/domain%cells)**2 >= coupling%width**2
+        coarse = coarse .and. domain%cells > 1
+        if (any(coarse)) text = text//', in '//axes(coarse)//' the cells alone do that or more'
+      end if
+    end associate
+    call line(unit, '', 'a parcel meets '//text)
+  end subroutine describe_mapping
 
   subroutine describe_walls(case, unit)
     type(case_t), intent(in) :: case

@@ -171,13 +171,14 @@ contains
     real(wp), intent(in) :: width, mapped
     real(wp), intent(inout) :: field(:,:,:,:)
 
-    real(wp), allocatable :: before(:,:,:,:), row(:), h(:)
+    real(wp) :: before(size(field, 1), size(field, 2), size(field, 3), size(field, 4)), h(mesh%n(a))
+    real(wp), allocatable :: row(:)
     integer :: i, m, j, reach
 
     if (mesh%n(a) == 1) return
     before = field
     field = 0.0_wp
-    h = spread(mesh%h(a), 1, mesh%n(a))
+    h = mesh%h(a)
     reach = kernel_reach(h, width)
     allocate (row(-reach:reach))
     do i = 1, mesh%n(a)
