@@ -82,6 +82,20 @@ def test_vtk_reads_every_step_of_the_gas(files):
         assert np.array_equal(field(grid.GetCellData(), "velocity"), velocity.reshape(-1, 3))
 
 
+def test_vtk_reads_every_step_of_a_graded_grid(files):
+    times, data_at = steps_of(files / "graded.vtkhdf")
+    assert np.allclose(times, [0, 0.1, 0.2, 0.3, 0.4])
+    for step, time in reversed(list(enumerate(times))):
+        grid = data_at(time)
+        void_fraction, velocity = expected_gas(step)
+        assert grid.IsA("vtkRectilinearGrid") and grid.GetDimensions() == tuple(n + 1 for n in CELLS)
+        assert np.allclose(vtk_to_numpy(grid.GetXCoordinates()), 0.1 + 0.01 * np.arange(CELLS[0] + 1))
+        assert np.allclose(vtk_to_numpy(grid.GetYCoordinates()), 0.2 + 0.02 * np.arange(CELLS[1] + 1) ** 2)
+        assert np.allclose(vtk_to_numpy(grid.GetZCoordinates()), 0.3 + 0.03 * np.arange(CELLS[2] + 1))
+        assert np.allclose(field(grid.GetCellData(), "void_fraction"), void_fraction.ravel(), rtol=1e-7)
+        assert np.array_equal(field(grid.GetCellData(), "velocity"), velocity.reshape(-1, 3))
+
+
 def test_files_tell_where_they_come_from(files):
     for name in ("parcels", "gas"):
         with h5py.File(files / f"{name}.vtkhdf") as file:
@@ -121,6 +135,10 @@ def test_sidecars_describe_the_same_data(files):
     clouds = pieces(files, "parcels")
     grids = pieces(files, "gas")
     assert len(clouds) == 5 * 5 and len(grids) == 5 * 2
+    graded = xml.parse(files / "graded.xmf").getroot().find(".//Grid[@GridType='Uniform']")
+    assert graded.find("Topology").get("TopologyType") == "3DRectMesh"
+    y = np.array(graded.findall("Geometry/DataItem")[1].text.split(), float)
+    assert np.allclose(y, 0.2 + 0.02 * np.arange(CELLS[1] + 1) ** 2)
     for time, label, array in clouds:
         step = round(10 * time)
         ids = np.arange(1, 10001 + 1000 * step)

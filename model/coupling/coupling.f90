@@ -71,6 +71,7 @@ module coupling
     real(wp), allocatable :: box_vector(:,:,:,:)  !< (3,n1,n2,n3)
     real(wp), allocatable :: box_source(:,:,:,:)  !< (source_lanes,n1,n2,n3) what parcels add to
     real(wp), allocatable :: box_volume(:,:,:)   !< (n1,n2,n3) solids [m3]
+    real(wp), allocatable :: cell_volume(:,:,:)  !< (n1,n2,n3) of the cells of my box [m3]
     real(wp), allocatable :: field(:,:)          !< (lanes,window cells)
     real(wp), allocatable :: source(:,:)         !< (source_lanes,window cells)
     real(wp), allocatable :: volume(:)           !< (window cells) [m3]
@@ -107,6 +108,7 @@ contains
       allocate (self%box_vector(3, n(1), n(2), n(3)), source=0.0_wp)
       allocate (self%box_source(source_lanes, n(1), n(2), n(3)), source=0.0_wp)
       allocate (self%box_volume(n(1), n(2), n(3)), source=0.0_wp)
+      allocate (self%cell_volume(n(1), n(2), n(3)), source=mesh%volumes(boxes%lo, boxes%hi))
     end associate
     allocate (self%corner(0), self%fraction(3, 0), self%response(4, 0))
     self%cell_centred = settings%mapping == 'cell'
@@ -136,8 +138,10 @@ contains
     self%slack = slack
     do i = 1, size(tiles%mine)
       call tiles%bounds(tiles%mine(i), corners(:, 1, i), corners(:, 2, i))
+      corners(:, 1, i) = self%mesh%in_cells(corners(:, 1, i) - slack)
+      corners(:, 2, i) = self%mesh%in_cells(corners(:, 2, i) + slack)
     end do
-    self%window = new_window(self%mesh%n, self%mesh%periodic, self%mesh%lower, self%mesh%h, corners, slack)
+    self%window = new_window(self%mesh%n, self%mesh%periodic, corners)
     call new_transfer(self%boxes, self%window, lanes, self%transfer)
     if (allocated(self%field)) deallocate (self%field, self%source, self%volume)
     allocate (self%field(lanes, self%window%cells()), source=0.0_wp)
@@ -156,7 +160,7 @@ contains
     real(wp) :: total
 
     call reserve(self, parcels%n)
-    call locate(self%window, parcels%state, self%corner(:self%n), self%fraction(:, :self%n), outside)
+    call locate(self%mesh, self%window, parcels%state, self%corner(:self%n), self%fraction(:, :self%n), outside)
     if (outside > 0) error stop 'coupling: a parcel is nowhere, or beyond the cells around the tiles of its rank'
     if (self%cell_centred) self%fraction(:, :self%n) = anint(self%fraction(:, :self%n))
     self%volume = 0.0_wp
@@ -167,7 +171,7 @@ contains
     self%box_volume = 0.0_wp
     call self%transfer%scatter_add(1, self%volume, self%box_volume)
     if (allocated(self%spreading)) call self%spreading%give(1, self%box_volume)
-    self%box_volume = 1.0_wp - self%box_volume/self%mesh%volume
+    self%box_volume = 1.0_wp - self%box_volume/self%cell_volume
     call record_clipping(self, total)
     n = self%boxes%n
     gas%eps(1:n(1), 1:n(2), 1:n(3)) = max(self%box_volume, self%minimum_void_fraction)
@@ -196,7 +200,7 @@ contains
 
     associate (eps => self%box_volume, least_wanted => self%minimum_void_fraction, exchange => self%exchange)
       sums(1) = solids_volume
-      sums(2) = sum(least_wanted - eps, eps < least_wanted)*self%mesh%volume
+      sums(2) = sum((least_wanted - eps)*self%cell_volume, eps < least_wanted)
       sums(3) = count(eps < least_wanted)
       sums = self%comm%sum(sums)
       least = minval(eps)

@@ -54,6 +54,7 @@ contains
     type(coupling_settings_t), intent(inout) :: settings
     type(keys_t), intent(inout) :: keys
 
+    type(coupling_settings_t) :: usual
     real(wp) :: wanted
 
     call keys%get('syamlal_c1', settings%syamlal_c1, 'syamlal_obrien: to be set for the velocity of minimum fluidization [-]', &
@@ -64,9 +65,17 @@ contains
       call keys%require(abs(0.85_wp**(settings%syamlal_d1 - wanted) - 1.0_wp) <= largest_jump, 'syamlal_d1', &
                         'makes the law jump at a void fraction of 0.85: '//brief(wanted)//' does not')
     else
-      call keys%require(.not. keys%given('syamlal_c1'), 'syamlal_c1', 'belongs to drag = ''syamlal_obrien''')
-      call keys%require(.not. keys%given('syamlal_d1'), 'syamlal_d1', 'belongs to drag = ''syamlal_obrien''')
+      call keys%require(.not. changed(settings%syamlal_c1, usual%syamlal_c1), 'syamlal_c1', 'belongs to drag = ''syamlal_obrien''')
+      call keys%require(.not. changed(settings%syamlal_d1, usual%syamlal_d1), 'syamlal_d1', 'belongs to drag = ''syamlal_obrien''')
     end if
   end subroutine declare_syamlal
+
+  !> Whether a value is another than the default, which the case of a restart file names like all others.
+  pure function changed(value, default)
+    real(wp), intent(in) :: value, default
+    logical :: changed
+
+    changed = abs(value - default) > 0.0_wp
+  end function changed
 
 end module coupling_settings

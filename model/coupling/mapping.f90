@@ -2,8 +2,9 @@
 !>
 !> A parcel shares itself among the eight cells whose centres surround it by trilinear weights
 !>
-!>   w_c = prod over x, y, z of (1 - |x - x_c|/h),     sum over c of w_c = 1.
+!>   w_c = prod over x, y, z of (1 - |s - s_c|),     sum over c of w_c = 1,
 !>
+!> with the places s of the parcel and s_c of the centre counted in cells (module grid_axis).
 !> Within half a cell of a wall the centre beyond the wall is missing: the place is moved to the nearest
 !> centre, so that the weights still sum to one and a parcel's whole volume stays in the gas. The width of the
 !> mapping is that of the cells, whatever the size or the weight of the parcel. Because the same weights spread the
@@ -14,6 +15,7 @@
 !> A place is kept as the lowest of the eight cells and the three fractions of a cell beyond its centre.
 module mapping
   use kinds, only: wp
+  use mesh, only: mesh_t
   use window, only: window_t
   implicit none
   private
@@ -34,7 +36,8 @@ contains
   end function mapping_variance
 
   !> The places of parcels. `outside` counts those beyond the window and those whose position is no number.
-  pure subroutine locate(window, position, corner, fraction, outside)
+  pure subroutine locate(mesh, window, position, corner, fraction, outside)
+    type(mesh_t), intent(in) :: mesh
     type(window_t), intent(in) :: window
     real(wp), intent(in) :: position(:,:)     !< (3 or more,n) the first three rows are the position [m]
     integer, intent(inout) :: corner(:)       !< (n) lowest of the eight cells, counted in the window from 1
@@ -45,14 +48,18 @@ contains
     real(wp), dimension(3) :: s, inverse_h, origin, lowest, highest
 
     ! Cell c of the grid has its centre at s = c - lo, so s runs over the window from 0.
-    inverse_h = 1.0_wp/window%h
+    inverse_h = 1.0_wp/mesh%coarsest
     origin = 0.5_wp - window%lo
     lowest = 0.0_wp
     highest = real(window%n - 1, wp)
     where (.not. window%periodic) highest = real(min(window%hi, window%grid) - window%lo, wp)
     outside = 0
     do i = 1, size(corner)
-      s = (position(1:3, i) - window%lower)*inverse_h + origin
+      if (mesh%uniform) then
+        s = (position(1:3, i) - mesh%lower)*inverse_h + origin
+      else
+        s = mesh%in_cells(position(1:3, i)) + origin
+      end if
       if (any(window%periodic .and. .not. (s >= lowest .and. s <= highest)) .or. .not. abs(sum(s)) <= huge(s)) then
         outside = outside + 1
         s = lowest

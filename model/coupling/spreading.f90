@@ -62,10 +62,10 @@ contains
 
     self%n = boxes%n
     do a = 1, 3
-      if (boxes%cells(a) == 1 .or. mapped*mesh%h(a)**2 >= width**2) cycle
+      if (boxes%cells(a) == 1 .or. mapped*mesh%finest(a)**2 >= width**2) cycle
       associate (direction => self%direction(a))
         direction%active = .true.
-        call find_rows(direction, spread(mesh%h(a), 1, mesh%n(a)), mesh%periodic(a), width, mapped, &
+        call find_rows(direction, mesh%axis(a)%width(1:mesh%n(a)), mesh%periodic(a), width, mapped, &
                        boxes%lo(a), boxes%n(a))
         lo = boxes%lo
         hi = boxes%hi

@@ -99,7 +99,7 @@ contains
     class(gas_t), intent(in) :: self
     real(wp), intent(out), contiguous :: gradient(:,:,:,:)  !< (3, cells 1..n)
 
-    integer :: a, i, j, k, e(3), x(3), y(3)
+    integer :: a, i, j, k, m, e(3), x(3), y(3)
     real(wp) :: below, above, here
 
     do a = 1, 3
@@ -112,11 +112,13 @@ contains
             below = self%free(x(1), x(2), x(3), a)
             above = self%free(i, j, k, a)
             here = self%pressure(i, j, k)
-            gradient(a, i, j, k) = ( &
+            m = dot_product(e, [i, j, k])
+            gradient(a, i, j, k) = &
               below*(1 - 0.5_wp*above)*merge(1, 2, self%eps(x(1), x(2), x(3)) > 0.0_wp) &
-                *(here - self%pressure(x(1), x(2), x(3))) &
+                *(here - self%pressure(x(1), x(2), x(3)))/self%spacing(a)%gap(m - 1) &
               + above*(1 - 0.5_wp*below)*merge(1, 2, self%eps(y(1), y(2), y(3)) > 0.0_wp) &
-                *(self%pressure(y(1), y(2), y(3)) - here) - self%driving%drop(a)/self%mesh%n(a))/self%mesh%h(a)
+                *(self%pressure(y(1), y(2), y(3)) - here)/self%spacing(a)%gap(m) &
+              - self%driving%drop(a)/(self%mesh%upper(a) - self%mesh%lower(a))
           end do
         end do
       end do

@@ -62,7 +62,7 @@ contains
     do a = 1, 3
       do end = 1, 2
         call name_faces(boxes, mesh, records, a, end, boundary%side(end, a), overlap)
-        if (boundary%side(end, a)%mine) call add_area(boundary%side(end, a), boxes%n, a, mesh%area(a), area)
+        if (boundary%side(end, a)%mine) call add_area(boundary%side(end, a), boxes, mesh, a, area)
       end do
     end do
     area = boxes%comm%sum(area)
@@ -98,7 +98,7 @@ contains
         do i = lo(1), hi(1)
           x = face_centre(boxes, mesh, [i, j, k], a)
           do m = 1, size(records)
-            if (.not. holds(records(m), x, mesh%h)) cycle
+            if (.not. holds(records(m), x, mesh%finest)) cycle
             if (side%record(i, j, k) /= 0) overlap = side%record(i, j, k) + (m - 1)*size(records)
             side%record(i, j, k) = m
           end do
@@ -131,9 +131,22 @@ contains
     place = boxes%lo + cell - 1
     place = merge(1 + modulo(place - 1, boxes%cells), min(max(place, 1), boxes%cells), boxes%periodic)
     place(a) = boxes%lo(a) + cell(a) - 1
-    x = mesh%lower + (place - 0.5_wp)*mesh%h
-    x(a) = mesh%lower(a) + place(a)*mesh%h(a)
+    x = mesh%in_metres(place - 0.5_wp)
+    x(a) = mesh%axis(a)%face(place(a))
   end function face_centre
+
+  !> Area [m2] of a face across `a`, along which its indices lie within my box.
+  pure function face_area(boxes, mesh, cell, a) result(area)
+    type(boxes_t), intent(in) :: boxes
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: cell(3), a
+    real(wp) :: area
+
+    real(wp) :: one(1, 1, 1)
+
+    one = mesh%areas(a, boxes%lo - 1 + cell, boxes%lo - 1 + cell)
+    area = one(1, 1, 1)
+  end function face_area
 
   pure function holds(record, x, h)
     type(boundary_settings_t), intent(in) :: record
@@ -144,21 +157,24 @@ contains
   end function holds
 
   !> Add the areas of my faces, rim left out, to those of their records.
-  pure subroutine add_area(side, n, a, face, area)
+  pure subroutine add_area(side, boxes, mesh, a, area)
     type(side_t), intent(in) :: side
-    integer, intent(in) :: n(3), a
-    real(wp), intent(in) :: face  !< area of one face [m2]
+    type(boxes_t), intent(in) :: boxes
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: a
     real(wp), intent(inout) :: area(:)
 
     integer :: m, lo(3), hi(3)
 
     lo = 1
-    hi = n
+    hi = boxes%n
     lo(a) = lbound(side%record, a)
     hi(a) = lo(a)
-    do m = 1, size(area)
-      area(m) = area(m) + face*count(side%record(lo(1):hi(1), lo(2):hi(2), lo(3):hi(3)) == m)
-    end do
+    associate (face => mesh%areas(a, boxes%lo - 1 + lo, boxes%lo - 1 + hi))
+      do m = 1, size(area)
+        area(m) = area(m) + sum(face, side%record(lo(1):hi(1), lo(2):hi(2), lo(3):hi(3)) == m)
+      end do
+    end associate
   end subroutine add_area
 
   !> Mistakes that only the grid shows. All ranks find the same.
@@ -327,7 +343,7 @@ contains
           side%flow(i, j, k) = share*side%flow(i, j, k)
           rim = [i, j, k]
           rim(a) = 1
-          if (all(rim >= 1 .and. rim <= boxes%n)) total(m) = total(m) + mesh%area(a)*share
+          if (all(rim >= 1 .and. rim <= boxes%n)) total(m) = total(m) + share*face_area(boxes, mesh, [i, j, k], a)
         end do
       end do
     end do

@@ -20,7 +20,7 @@ module gas_state
   use pressure_solver, only: pressure_solver_t
   implicit none
   private
-  public :: gas_state_t, gas_report_t, wall_t, create_state, unit_step
+  public :: gas_state_t, gas_report_t, wall_t, spacing_t, create_state, unit_step
 
   !> What the last step did. Mass flows are means over the step, over all ranks.
   type :: gas_report_t
@@ -58,6 +58,12 @@ module gas_state
     type(response_t) :: response(3)      !< to the drop along each direction that is held
   end type driving_t
 
+  !> The grid along one direction, in cells of my box.
+  type :: spacing_t
+    real(wp), allocatable :: width(:)  !< (-1:n+2) of cells [m]
+    real(wp), allocatable :: gap(:)    !< (-1:n+1) between the centres of a cell and the next one [m]
+  end type spacing_t
+
   type :: gas_state_t
     type(boxes_t) :: boxes
     type(mesh_t) :: mesh
@@ -79,7 +85,10 @@ module gas_state
     real(wp), allocatable :: velocity(:,:,:,:)      !< (face, a) in the voids [m/s]
     real(wp), allocatable :: pressure(:,:,:)        !< [Pa]
     real(wp), allocatable :: free(:,:,:,:)          !< (face, a): 1 where the velocity is solved for, 0 where given
-    real(wp), allocatable :: eps_face(:,:,:,:)      !< void fraction on faces; that of the inner cell on the surface
+    type(spacing_t) :: spacing(3)
+    real(wp), allocatable :: volume(:,:,:)          !< of cells [m3]
+    real(wp), allocatable :: passage(:,:,:,:)       !< void fraction times area of faces [m2]
+    real(wp), allocatable :: storage(:,:,:)         !< growth of the gas mass of cells in the step [kg/s]
     real(wp), allocatable :: flux(:,:,:,:)          !< mass flow through faces [kg/s]
     real(wp), allocatable :: fixed(:,:,:,:)         !< diagonal without neighbours: inertia, drag, wall friction [kg/s]
     real(wp), allocatable :: source(:,:,:,:)        !< inertia, gravity, drag: what does not change in the step [N]
@@ -123,6 +132,7 @@ contains
     call new_gas_boundary(boxes, mesh, records, settings, state%boundary, outcome)
     if (outcome%failed()) return
     call allocate_fields(state, boxes%n)
+    call set_spacing(state)
     call mark_faces(state)
     do a = 1, 3
       state%velocity(:, :, :, a) = settings%velocity(a)*state%free(:, :, :, a)
@@ -148,7 +158,7 @@ contains
     allocate (state%correction, source=state%eps)
     allocate (state%pressure_before, source=state%eps)
     allocate (state%free, source=state%velocity)
-    allocate (state%eps_face, source=state%velocity)
+    allocate (state%passage, source=state%velocity)
     allocate (state%flux, source=state%velocity)
     allocate (state%fixed, source=state%velocity)
     allocate (state%source, source=state%velocity)
@@ -156,10 +166,26 @@ contains
     allocate (state%velocity_before, source=state%velocity)
     allocate (state%crossing(-1:n(1), -1:n(2), -1:n(3), 3), source=0.0_wp)
     allocate (state%imbalance(n(1), n(2), n(3)), source=0.0_wp)
+    allocate (state%storage, source=state%imbalance)
     state%eps(1:n(1), 1:n(2), 1:n(3)) = 1.0_wp
     call state%halo%exchange(state%eps)
     allocate (state%eps_old, source=state%eps)
   end subroutine allocate_fields
+
+  !> What the equations want of the grid.
+  subroutine set_spacing(state)
+    class(gas_state_t), intent(inout) :: state
+
+    integer :: a
+
+    associate (lo => state%boxes%lo - 2, hi => state%boxes%hi + 2, n => state%boxes%n)
+      do a = 1, 3
+        allocate (state%spacing(a)%width(-1:n(a) + 2), source=state%mesh%axis(a)%width(lo(a):hi(a)))
+        allocate (state%spacing(a)%gap(-1:n(a) + 1), source=state%mesh%axis(a)%gap(lo(a):hi(a) - 1))
+      end do
+      allocate (state%volume(-1:n(1) + 2, -1:n(2) + 2, -1:n(3) + 2), source=state%mesh%volumes(lo, hi))
+    end associate
+  end subroutine set_spacing
 
   !> Which faces are solved for: all within the domain, those on joined sides and the open ones.
   subroutine mark_faces(state)

@@ -12,16 +12,40 @@ module momentum
   use momentum_cells, only: find_crossing, wall_conductance, wall_push
   implicit none
   private
-  public :: prepare_momentum, assemble_momentum
-
-  !> Friction on a wall of velocity U from a parabola through the wall and the next two unknowns,
-  !>   du/dy = (9 u_1 - u_2 - 8 U)/(3 h),  that is 8/3 (u_1 - U) - (u_2 - u_1)/3 over h.
-  !> It makes the flow between plates exact, where a straight line to the wall leaves an error of dp/dx h^2/(8 mu).
-  real(wp), parameter :: parabola_own = 8.0_wp/3.0_wp
-  real(wp), parameter :: parabola_next = 1.0_wp/3.0_wp
-  real(wp), parameter :: straight = 2.0_wp  !< the straight line, where the domain is one cell wide
+  public :: prepare_momentum, assemble_momentum, drive
 
 contains
+
+  !> Friction on a wall of velocity U from a parabola through the wall and the next two unknowns, at y_1 and y_2,
+  !>   du/dy = ((u_1 - U) y_2/y_1 - (u_2 - U) y_1/y_2)/(y_2 - y_1),
+  !> written as (own (u_1 - U) - next (u_2 - u_1))/h_1: on a uniform grid own = 8/3, next = 1/3. It makes the flow between
+  !> plates exact, where a straight line to the wall leaves an error of dp/dx h^2/(8 mu).
+  pure subroutine bend(width, next_width, own, next)
+    real(wp), intent(in) :: width, next_width  !< of the two cells at the wall [m]
+    real(wp), intent(out) :: own, next
+
+    real(wp) :: first, second
+
+    first = 0.5_wp
+    second = 1.0_wp + 0.5_wp*next_width/width
+    next = first/(second*(second - first))
+    own = second/(first*(second - first)) - next
+  end subroutine bend
+
+  !> The same for the wall at one end of direction b; a straight line where the domain is one cell wide.
+  pure subroutine bend_at(state, b, end, own, next)
+    class(gas_state_t), intent(in) :: state
+    integer, intent(in) :: b, end
+    real(wp), intent(out) :: own, next
+
+    own = 2.0_wp
+    next = 0.0_wp
+    if (state%mesh%n(b) == 1) return
+    associate (width => state%mesh%axis(b)%width, n => state%mesh%n(b))
+      if (end == 1) call bend(width(1), width(2), own, next)
+      if (end == 2) call bend(width(n), width(n - 1), own, next)
+    end associate
+  end subroutine bend_at
 
   !> What stays the same over the iterations of a step: diagonals, sources and mobilities.
   subroutine prepare_momentum(state, dt)
@@ -47,25 +71,26 @@ contains
     real(wp), intent(in) :: dt
 
     integer :: i, j, k, e(3), x, y, z
-    real(wp) :: mass, inertia, weight
+    real(wp) :: inertia, weight, given
 
     e = unit_step(a)
-    mass = state%density*state%mesh%volume
-    associate (free => state%free, forces => state%forces, first => state%first(:, a), n => state%boxes%n)
+    given = state%density/dt*product(state%mesh%finest)
+    associate (free => state%free, forces => state%forces, first => state%first(:, a), n => state%boxes%n, &
+               volume => state%volume, rho => state%density)
       do k = first(3), n(3)
         z = k + e(3)
         do j = first(2), n(2)
           y = j + e(2)
           do i = first(1), n(1)
             x = i + e(1)
-            inertia = 0.5_wp*mass/dt*(state%eps_old(i, j, k) + state%eps_old(x, y, z))
-            weight = 0.5_wp*mass*state%gravity(a)*(state%eps(i, j, k) + state%eps(x, y, z))
+            inertia = 0.5_wp*rho/dt*(volume(i, j, k)*state%eps_old(i, j, k) + volume(x, y, z)*state%eps_old(x, y, z))
+            weight = 0.5_wp*rho*state%gravity(a)*(volume(i, j, k)*state%eps(i, j, k) + volume(x, y, z)*state%eps(x, y, z))
             state%fixed(i, j, k, a) = free(i, j, k, a)*(inertia + 0.5_wp*(forces(i, j, k, 1) + forces(x, y, z, 1))) &
-              + (1 - free(i, j, k, a))*mass/dt
+              + (1 - free(i, j, k, a))*given
             state%source(i, j, k, a) = &
               free(i, j, k, a)*(inertia*state%velocity_before(i, j, k, a) + weight &
                                 + 0.5_wp*(forces(i, j, k, 1 + a) + forces(x, y, z, 1 + a))) &
-              + (1 - free(i, j, k, a))*mass/dt*state%velocity(i, j, k, a)
+              + (1 - free(i, j, k, a))*given*state%velocity(i, j, k, a)
           end do
         end do
       end do
@@ -78,13 +103,13 @@ contains
     integer, intent(in) :: a
 
     integer :: b, end, i, j, k, lo(3), hi(3)
-    real(wp) :: share, wall
+    real(wp) :: share, next, wall
 
     do b = 1, 3
       if (b == a) cycle
-      share = merge(straight, parabola_own, state%mesh%n(b) == 1)
       do end = 1, 2
         if (.not. state%boundary%side(end, b)%mine) cycle
+        call bend_at(state, b, end, share, next)
         call layer_along(state, a, b, end, lo, hi)
         call reserve(state%wall(end, b, a), lo, hi)
         do k = lo(3), hi(3)
@@ -131,11 +156,11 @@ contains
 
     integer :: i, j, k
 
-    associate (first => state%first(:, a), n => state%boxes%n, area => state%mesh%area(a))
+    associate (first => state%first(:, a), n => state%boxes%n)
       do k = first(3), n(3)
         do j = first(2), n(2)
           do i = first(1), n(1)
-            state%mobility(i, j, k, a) = state%free(i, j, k, a)*state%eps_face(i, j, k, a)*area/state%fixed(i, j, k, a)
+            state%mobility(i, j, k, a) = state%free(i, j, k, a)*state%passage(i, j, k, a)/state%fixed(i, j, k, a)
           end do
         end do
       end do
@@ -171,15 +196,17 @@ contains
     n = state%boxes%n
     state%stencil(a)%centre(:, :, :) = state%fixed(lo(1):n(1), lo(2):n(2), lo(3):n(3), a)
     state%stencil(a)%rhs(:, :, :) = state%source(lo(1):n(1), lo(2):n(2), lo(3):n(3), a)
-    call push(lo, n, a, [state%mesh%area(a), state%driving%drop(a)/state%mesh%n(a)], state%eps_face(:, :, :, a), &
-              state%pressure, state%stencil(a)%rhs)
+    call push(lo, n, a, state%passage(:, :, :, a), state%pressure, state%stencil(a)%rhs)
+    if (abs(state%driving%drop(a)) > 0.0_wp) then
+      call drive(lo, n, a, state%driving%drop(a)/(state%mesh%upper(a) - state%mesh%lower(a))*state%spacing(a)%gap, &
+                 state%passage(:, :, :, a), state%stencil(a)%rhs)
+    end if
   end subroutine start_rows
 
-  !> rhs - eps_f A (p_above - p_below - dp), dp a face's part of the pressure drop along a periodic direction, see driving.
-  pure subroutine push(lo, n, a, face, eps_face, p, rhs)
+  !> rhs - a (p_above - p_below)
+  pure subroutine push(lo, n, a, passage, p, rhs)
     integer, intent(in) :: lo(3), n(3), a
-    real(wp), intent(in) :: face(2)  !< A [m2], dp [Pa]
-    real(wp), intent(in), dimension(-1:n(1) + 2, -1:n(2) + 2, -1:n(3) + 2) :: eps_face, p
+    real(wp), intent(in), dimension(-1:n(1) + 2, -1:n(2) + 2, -1:n(3) + 2) :: passage, p
     real(wp), intent(inout) :: rhs(lo(1):n(1), lo(2):n(2), lo(3):n(3))
 
     integer :: i, j, k, e(3)
@@ -188,11 +215,30 @@ contains
     do k = lo(3), n(3)
       do j = lo(2), n(2)
         do i = lo(1), n(1)
-          rhs(i, j, k) = rhs(i, j, k) - eps_face(i, j, k)*face(1)*(p(i + e(1), j + e(2), k + e(3)) - p(i, j, k) - face(2))
+          rhs(i, j, k) = rhs(i, j, k) - passage(i, j, k)*(p(i + e(1), j + e(2), k + e(3)) - p(i, j, k))
         end do
       end do
     end do
   end subroutine push
+
+  !> rhs + a dp, dp the part of the pressure drop along a periodic direction between two cells, see driving.
+  pure subroutine drive(lo, n, a, drop, passage, rhs)
+    integer, intent(in) :: lo(3), n(3), a
+    real(wp), intent(in) :: drop(-1:n(a) + 1)  !< [Pa]
+    real(wp), intent(in) :: passage(-1:n(1) + 2, -1:n(2) + 2, -1:n(3) + 2)
+    real(wp), intent(inout) :: rhs(lo(1):n(1), lo(2):n(2), lo(3):n(3))
+
+    integer :: i, j, k, e(3)
+
+    e = unit_step(a)
+    do k = lo(3), n(3)
+      do j = lo(2), n(2)
+        do i = lo(1), n(1)
+          rhs(i, j, k) = rhs(i, j, k) + passage(i, j, k)*drop(dot_product(e, [i, j, k]))
+        end do
+      end do
+    end do
+  end subroutine drive
 
   !> Neighbours below and above along b.
   subroutine add_direction(state, a, b)
@@ -251,6 +297,7 @@ contains
     integer, intent(in) :: a, b
 
     integer :: end, lo(3), hi(3)
+    real(wp) :: own, next
 
     associate (s => state%stencil(a))
       do end = 1, 2
@@ -259,13 +306,14 @@ contains
         if (end == 1) s%low(lo(1):hi(1), lo(2):hi(2), lo(3):hi(3), b) = 0.0_wp
         if (end == 2) s%high(lo(1):hi(1), lo(2):hi(2), lo(3):hi(3), b) = 0.0_wp
         if (b == a .or. state%mesh%n(b) == 1) cycle
+        call bend_at(state, b, end, own, next)
         associate (centre => s%centre(lo(1):hi(1), lo(2):hi(2), lo(3):hi(3)), &
                    inner_high => s%high(lo(1):hi(1), lo(2):hi(2), lo(3):hi(3), b), &
                    inner_low => s%low(lo(1):hi(1), lo(2):hi(2), lo(3):hi(3), b), &
                    wall => state%wall(end, b, a)%conductance)
-          centre = centre + parabola_next*wall
-          if (end == 1) inner_high = inner_high + parabola_next*wall
-          if (end == 2) inner_low = inner_low + parabola_next*wall
+          centre = centre + next*wall
+          if (end == 1) inner_high = inner_high + next*wall
+          if (end == 2) inner_low = inner_low + next*wall
         end associate
       end do
     end associate

@@ -5,7 +5,7 @@
 !> keeps the continuity of its two halves.
 module momentum_cells
   use convection, only: limited
-  use gas_state, only: gas_state_t, unit_step
+  use gas_state, only: gas_state_t, spacing_t, unit_step
   use kinds, only: wp
   implicit none
   private
@@ -14,10 +14,12 @@ module momentum_cells
   !> One pass over the faces across b of the momentum cells of component a.
   type :: sweep_t
     integer :: limiter
-    real(wp) :: conductance   !< mu A/h [kg/s]
+    real(wp) :: viscosity     !< [Pa s]
     integer :: lo(3), n(3)    !< first and last face
+    integer :: a, b
     integer :: e(3), s(3)     !< unit steps along a and b
     integer :: corner(3, 4)   !< offsets of the pressure cells whose void fraction counts
+    logical :: graded         !< the axis b
   end type sweep_t
 
 contains
@@ -33,30 +35,39 @@ contains
     e = unit_step(a)
     s = unit_step(b)
     sweep%limiter = state%limiter
-    sweep%conductance = state%viscosity*state%mesh%area(b)/state%mesh%h(b)
+    sweep%viscosity = state%viscosity
     sweep%n = state%boxes%n
     sweep%lo = state%first(:, a)
     sweep%lo(b) = 0
+    sweep%a = a
+    sweep%b = b
     sweep%e = e
     sweep%s = s
+    sweep%graded = .not. state%mesh%axis(b)%uniform
     ! the pressure cell that a face halves (b = a), or the four that meet at it
     if (a == b) sweep%corner = spread(e, 2, 4)
     if (a /= b) sweep%corner = reshape([0*e, e, s, e + s], [3, 4])
-    call cross(sweep, state%eps, state%flux(:, :, :, b), state%velocity(:, :, :, a), state%crossing)
+    call cross(sweep, state%spacing, state%eps, state%flux(:, :, :, b), state%velocity(:, :, :, a), state%crossing)
     call set_surface(state, a, b)
   end subroutine find_crossing
 
   !> The rows of faces of one sweep: coefficients of the cell below for the one above (1) and the reverse (2), and the
   !> momentum the limiter adds (3).
-  pure subroutine cross(sweep, eps, flux, u, crossing)
+  pure subroutine cross(sweep, spacing, eps, flux, u, crossing)
     type(sweep_t), intent(in) :: sweep
+    type(spacing_t), intent(in) :: spacing(3)
     real(wp), intent(in), dimension(-1:sweep%n(1) + 2, -1:sweep%n(2) + 2, -1:sweep%n(3) + 2) :: eps, flux, u
     real(wp), intent(inout) :: crossing(-1:sweep%n(1), -1:sweep%n(2), -1:sweep%n(3), 3)
 
     real(wp), dimension(sweep%lo(1):sweep%n(1)) :: flow, upper, step, extra
+    real(wp) :: along_x(0:sweep%n(1)), along_y(0:sweep%n(2)), along_z(0:sweep%n(3)), mu, viscous
+    real(wp) :: slope(2, 0:sweep%n(sweep%b)), lean(2, 0:sweep%n(sweep%b))
     integer :: i, j, k
-    real(wp) :: viscous
 
+    along_x = shape_of(sweep, spacing(1), 1)
+    along_y = shape_of(sweep, spacing(2), 2)
+    along_z = shape_of(sweep, spacing(3), 3)
+    if (sweep%graded) call find_slopes(sweep, spacing(sweep%b), slope, lean)
     associate (e => sweep%e, s => sweep%s, c => sweep%corner, lo => sweep%lo, n => sweep%n)
       do k = lo(3), n(3)
         do j = lo(2), n(2)
@@ -66,9 +77,12 @@ contains
             upper(i) = merge(u(i, j, k) - u(i - s(1), j - s(2), k - s(3)), &
                              u(i + 2*s(1), j + 2*s(2), k + 2*s(3)) - u(i + s(1), j + s(2), k + s(3)), flow(i) > 0.0_wp)
           end do
+          if (sweep%graded) call scale_row(sweep, j, k, slope, flow, upper)
           call limited(sweep%limiter, n(1) - lo(1) + 1, upper, step, extra)
+          if (sweep%graded) call scale_row(sweep, j, k, lean, flow, extra)
+          mu = 0.25_wp*sweep%viscosity*along_y(j)*along_z(k)
           do i = lo(1), n(1)
-            viscous = 0.25_wp*sweep%conductance*(eps(i + c(1, 1), j + c(2, 1), k + c(3, 1)) &
+            viscous = mu*along_x(i)*(eps(i + c(1, 1), j + c(2, 1), k + c(3, 1)) &
               + eps(i + c(1, 2), j + c(2, 2), k + c(3, 2)) + eps(i + c(1, 3), j + c(2, 3), k + c(3, 3)) &
               + eps(i + c(1, 4), j + c(2, 4), k + c(3, 4)))
             crossing(i, j, k, 1) = viscous + max(flow(i), 0.0_wp)
@@ -79,6 +93,68 @@ contains
       end do
     end associate
   end subroutine cross
+
+  !> What the grid along one direction contributes to A/h of the faces of a sweep; the product of the three is A/h.
+  pure function shape_of(sweep, spacing, direction) result(factor)
+    type(sweep_t), intent(in) :: sweep
+    type(spacing_t), intent(in) :: spacing
+    integer, intent(in) :: direction
+    real(wp) :: factor(0:sweep%n(direction))
+
+    integer :: n
+
+    n = sweep%n(direction)
+    factor = spacing%width(0:n)
+    if (direction == sweep%a) factor = spacing%gap(0:n)
+    if (direction == sweep%b) factor = 1.0_wp/distances(sweep, spacing, 0, n)
+  end function shape_of
+
+  !> Distances between the velocities on both sides of the faces from..to of a sweep, along b [m].
+  pure function distances(sweep, spacing, from, to) result(distance)
+    type(sweep_t), intent(in) :: sweep
+    type(spacing_t), intent(in) :: spacing  !< along b
+    integer, intent(in) :: from, to
+    real(wp) :: distance(from:to)
+
+    distance = spacing%gap(from:to)
+    if (sweep%a == sweep%b) distance = spacing%width(from + 1:to + 1)
+  end function distances
+
+  !> On a graded axis, by which factor the difference upwind of a face is to be multiplied to be a slope over the
+  !> distance across the face, and what the limiter adds for a face that is not half-way: from below (1), from above (2).
+  pure subroutine find_slopes(sweep, spacing, slope, lean)
+    type(sweep_t), intent(in) :: sweep
+    type(spacing_t), intent(in) :: spacing  !< along b
+    real(wp), intent(out), dimension(2, 0:sweep%n(sweep%b)) :: slope, lean
+
+    real(wp) :: distance(-1:sweep%n(sweep%b) + 1)
+    integer :: n
+
+    n = sweep%n(sweep%b)
+    distance = distances(sweep, spacing, -1, n + 1)
+    slope(1, :) = distance(0:n)/distance(-1:n - 1)
+    slope(2, :) = distance(0:n)/distance(1:n + 1)
+    lean = 1.0_wp
+    if (sweep%a == sweep%b) return
+    lean(1, :) = spacing%width(0:n)/distance(0:n)
+    lean(2, :) = spacing%width(1:n + 1)/distance(0:n)
+  end subroutine find_slopes
+
+  !> Multiply a row by the factors of its faces.
+  pure subroutine scale_row(sweep, j, k, factor, flow, row)
+    type(sweep_t), intent(in) :: sweep
+    integer, intent(in) :: j, k
+    real(wp), intent(in) :: factor(2, 0:sweep%n(sweep%b))
+    real(wp), intent(in) :: flow(sweep%lo(1):sweep%n(1))
+    real(wp), intent(inout) :: row(sweep%lo(1):sweep%n(1))
+
+    integer :: i, m
+
+    do i = sweep%lo(1), sweep%n(1)
+      m = dot_product(sweep%s, [i, j, k])
+      row(i) = row(i)*merge(factor(1, m), factor(2, m), flow(i) > 0.0_wp)
+    end do
+  end subroutine scale_row
 
   !> Faces on the surface of the domain: friction is treated apart, the mass flow is that through the surface itself,
   !> and only what comes in counts.
@@ -125,9 +201,9 @@ contains
     here(b) = merge(0, state%boxes%n(b), end == 1)
     there = here + unit_step(a)
     associate (grip => state%boundary%side(end, b)%grip, eps => state%eps)
-      conductance = 0.5_wp*state%viscosity*state%mesh%area(b)/state%mesh%h(b)* &
-        (eps(cell(1), cell(2), cell(3))*grip(here(1), here(2), here(3)) &
-         + eps(x(1), x(2), x(3))*grip(there(1), there(2), there(3)))
+      conductance = 0.5_wp*state%viscosity/state%spacing(b)%width(cell(b))**2* &
+        (eps(cell(1), cell(2), cell(3))*state%volume(cell(1), cell(2), cell(3))*grip(here(1), here(2), here(3)) &
+         + eps(x(1), x(2), x(3))*state%volume(x(1), x(2), x(3))*grip(there(1), there(2), there(3)))
     end associate
   end function wall_conductance
 
@@ -145,9 +221,11 @@ contains
     here(b) = merge(0, state%boxes%n(b), end == 1)
     there = here + unit_step(a)
     associate (grip => state%boundary%side(end, b)%grip, slide => state%boundary%side(end, b)%slide, eps => state%eps)
-      push = 0.5_wp*state%viscosity*state%mesh%area(b)/state%mesh%h(b)* &
-        (eps(cell(1), cell(2), cell(3))*grip(here(1), here(2), here(3))*slide(here(1), here(2), here(3), a) &
-         + eps(x(1), x(2), x(3))*grip(there(1), there(2), there(3))*slide(there(1), there(2), there(3), a))
+      push = 0.5_wp*state%viscosity/state%spacing(b)%width(cell(b))**2* &
+        (eps(cell(1), cell(2), cell(3))*state%volume(cell(1), cell(2), cell(3)) &
+           *grip(here(1), here(2), here(3))*slide(here(1), here(2), here(3), a) &
+         + eps(x(1), x(2), x(3))*state%volume(x(1), x(2), x(3)) &
+           *grip(there(1), there(2), there(3))*slide(there(1), there(2), there(3), a))
     end associate
   end function wall_push
 

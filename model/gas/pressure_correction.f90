@@ -1,9 +1,9 @@
 !> Continuity of the gas and the pressure that enforces it.
 !>
-!>   rho V (eps - eps_old)/dt + sum of G_out = 0,    G = rho eps_f A u
+!>   rho V (eps - eps_old)/dt + sum of G_out = 0,    G = rho a u,    a = eps_f A
 !>
 !> A pressure correction p' changes the velocities by u' = -d (p'_above - p'_below); put into the continuity
-!> equation it gives sum over faces of c (p' - p'_beyond) = -imbalance with c = rho eps_f A d.
+!> equation it gives sum over faces of c (p' - p'_beyond) = -imbalance with c = rho a d.
 module pressure_correction
   use gas_state, only: gas_state_t, unit_step
   use kinds, only: wp
@@ -13,34 +13,53 @@ module pressure_correction
 
 contains
 
-  !> Void fraction on faces, and the given velocities: superficial velocity over void fraction.
-  subroutine prepare_faces(state)
+  !> Passages of the faces, what cells store, and the given velocities: superficial velocity over void fraction.
+  subroutine prepare_faces(state, dt)
     class(gas_state_t), intent(inout) :: state
+    real(wp), intent(in) :: dt  !< [s]
 
-    integer :: a, i, j, k, e(3)
+    integer :: a
 
     do a = 1, 3
-      e = unit_step(a)
-      associate (n => state%boxes%n, eps => state%eps)
-        do k = -1, n(3) + 1
-          do j = -1, n(2) + 1
-            do i = -1, n(1) + 1
-              state%eps_face(i, j, k, a) = 0.5_wp*(eps(i, j, k) + eps(i + e(1), j + e(2), k + e(3)))
-            end do
-          end do
-        end do
-      end associate
+      call set_passages(state, a)
       call set_side(state, a, 1)
       call set_side(state, a, 2)
     end do
+    associate (n => state%boxes%n)
+      state%storage = state%density/dt*state%volume(1:n(1), 1:n(2), 1:n(3)) &
+        *(state%eps(1:n(1), 1:n(2), 1:n(3)) - state%eps_old(1:n(1), 1:n(2), 1:n(3)))
+    end associate
   end subroutine prepare_faces
+
+  !> The void fraction of a face lies on the straight line between those of its two cells.
+  subroutine set_passages(state, a)
+    class(gas_state_t), intent(inout) :: state
+    integer, intent(in) :: a
+
+    integer :: i, j, k, m, e(3)
+    real(wp) :: nearer
+
+    e = unit_step(a)
+    associate (n => state%boxes%n, eps => state%eps, width => state%spacing(a)%width)
+      do k = -1, n(3) + 1
+        do j = -1, n(2) + 1
+          do i = -1, n(1) + 1
+            m = dot_product(e, [i, j, k])
+            nearer = width(m + 1)/(width(m) + width(m + 1))
+            state%passage(i, j, k, a) = state%volume(i, j, k)/width(m) &
+              *(nearer*eps(i, j, k) + (1 - nearer)*eps(i + e(1), j + e(2), k + e(3)))
+          end do
+        end do
+      end do
+    end associate
+  end subroutine set_passages
 
   subroutine set_side(state, a, end)
     class(gas_state_t), intent(inout) :: state
     integer, intent(in) :: a, end
 
     integer :: i, j, k, lo(3), hi(3), inner(3)
-    real(wp) :: inward
+    real(wp) :: inward, area
 
     if (.not. state%boundary%side(end, a)%mine) return
     lo = 0
@@ -53,10 +72,11 @@ contains
       do k = lo(3), hi(3)
         do j = lo(2), hi(2)
           do i = lo(1), hi(1)
-            state%eps_face(i, j, k, a) = eps(i + inner(1), j + inner(2), k + inner(3))
+            area = state%volume(i, j, k)/state%spacing(a)%width(lo(a))
+            state%passage(i, j, k, a) = area*eps(i + inner(1), j + inner(2), k + inner(3))
             if (side%open(i, j, k)) cycle
-            if (state%eps_face(i, j, k, a) <= 0.0_wp) cycle  ! the rim beyond the domain
-            state%velocity(i, j, k, a) = inward*side%flow(i, j, k)/state%eps_face(i, j, k, a)
+            if (state%passage(i, j, k, a) <= 0.0_wp) cycle  ! the rim beyond the domain
+            state%velocity(i, j, k, a) = inward*side%flow(i, j, k)*area/state%passage(i, j, k, a)
           end do
         end do
       end do
@@ -71,7 +91,7 @@ contains
 
     ! the fluxes are made anew right after: their storage serves for the coefficients
     do a = 1, 3
-      state%flux(:, :, :, a) = state%density*state%mesh%area(a)*state%eps_face(:, :, :, a)*state%mobility(:, :, :, a)
+      state%flux(:, :, :, a) = state%density*state%passage(:, :, :, a)*state%mobility(:, :, :, a)
     end do
     call state%halo%exchange_many(state%flux)
     call state%solver%set_matrix(state%flux)
@@ -82,15 +102,13 @@ contains
     class(gas_state_t), intent(inout) :: state
 
     integer :: a, i, j, k
-    real(wp) :: scale
 
     associate (n => state%boxes%n)
       do a = 1, 3
-        scale = state%density*state%mesh%area(a)
         do k = 0, n(3) + 1
           do j = 0, n(2) + 1
             do i = 0, n(1) + 1
-              state%flux(i, j, k, a) = scale*state%eps_face(i, j, k, a)*state%velocity(i, j, k, a)
+              state%flux(i, j, k, a) = state%density*state%passage(i, j, k, a)*state%velocity(i, j, k, a)
             end do
           end do
         end do
@@ -99,22 +117,19 @@ contains
   end subroutine update_flux
 
   !> What each cell loses and stores, which should be nothing, and the sum of its size over all ranks [kg/s].
-  function find_imbalance(state, dt) result(total)
+  function find_imbalance(state) result(total)
     class(gas_state_t), intent(inout) :: state
-    real(wp), intent(in) :: dt  !< [s]
     real(wp) :: total
 
     integer :: i, j, k
-    real(wp) :: scale
 
-    scale = state%density*state%mesh%volume/dt
     total = 0.0_wp
     associate (n => state%boxes%n, g => state%flux)
       do k = 1, n(3)
         do j = 1, n(2)
           !$omp simd reduction(+:total)
           do i = 1, n(1)
-            state%imbalance(i, j, k) = scale*(state%eps(i, j, k) - state%eps_old(i, j, k)) &
+            state%imbalance(i, j, k) = state%storage(i, j, k) &
               + (g(i, j, k, 1) - g(i - 1, j, k, 1)) + (g(i, j, k, 2) - g(i, j - 1, k, 2)) &
               + (g(i, j, k, 3) - g(i, j, k - 1, 3))
             total = total + abs(state%imbalance(i, j, k))
@@ -165,12 +180,12 @@ contains
     integer :: i, j, k
     real(wp) :: scale, level
 
-    scale = state%viscosity/(state%density*state%mesh%volume)
+    scale = state%viscosity/state%density
     associate (n => state%boxes%n, p => state%correction)
       do k = 1, n(3)
         do j = 1, n(2)
           do i = 1, n(1)
-            p(i, j, k) = p(i, j, k) + scale/state%eps(i, j, k)*state%imbalance(i, j, k)
+            p(i, j, k) = p(i, j, k) + scale/(state%volume(i, j, k)*state%eps(i, j, k))*state%imbalance(i, j, k)
           end do
         end do
       end do

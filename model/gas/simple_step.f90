@@ -46,7 +46,7 @@ contains
                   state%report%momentum_residual <= state%numerics%velocity_tolerance
       if (converged .or. iteration == state%numerics%maximum_iterations .or. lost(state)) exit
       call predict_velocity(state, first)
-      call correct_pressure(state, dt, mass)
+      call correct_pressure(state, mass)
       state%report%iterations = iteration + 1
     end do
     if (converged) call report_flows(state, dt)
@@ -72,7 +72,7 @@ contains
     end do
     call state%halo%exchange(state%eps)
     call state%halo%exchange_many(state%forces)
-    call prepare_faces(state)
+    call prepare_faces(state, dt)
     call prepare_momentum(state, dt)
     call prepare_pressure(state)
     call state%halo%exchange_many(state%velocity)
@@ -80,7 +80,7 @@ contains
     call update_flux(state)
     call find_responses(state)
     state%report%mass_scale = mass_scale(state, dt)
-    mass = find_imbalance(state, dt)
+    mass = find_imbalance(state)
     force_scale = state%boxes%comm%sum(sum(abs(state%source)))
   end subroutine begin_step
 
@@ -93,7 +93,7 @@ contains
     real(wp) :: scale
 
     integer :: a
-    real(wp) :: flows(4)
+    real(wp) :: flows(4), face(3)
 
     scale = state%density*state%boundary%inflow
     if (scale > 0.0_wp) return
@@ -101,11 +101,12 @@ contains
       do a = 1, 3
         flows(a) = sum(abs(state%flux(1:n(1), 1:n(2), 1:n(3), a)))/m%n(a)
       end do
-      flows(4) = state%density*m%volume/dt*sum(abs(state%eps(1:n(1), 1:n(2), 1:n(3)) - state%eps_old(1:n(1), 1:n(2), 1:n(3))))
+      flows(4) = sum(abs(state%storage))
       flows = state%boxes%comm%sum(flows)
-      scale = max(maxval(flows), maxval(state%density*m%area*abs(state%gravity)*dt))
-      associate (driving => state%driving)
-        scale = max(scale, maxval(abs(driving%flow)), maxval(m%area*abs(driving%drop)/(m%n*m%h)*dt))
+      associate (driving => state%driving, extent => m%upper - m%lower)
+        face = product(extent/m%n)/(extent/m%n)
+        scale = max(maxval(flows), maxval(state%density*face*abs(state%gravity)*dt))
+        scale = max(scale, maxval(abs(driving%flow)), maxval(face*abs(driving%drop)/extent*dt))
       end associate
     end associate
   end function mass_scale
@@ -142,15 +143,14 @@ contains
   end subroutine predict_velocity
 
   !> Pressure and velocities that satisfy continuity, as closely as the momentum residual makes worthwhile.
-  subroutine correct_pressure(state, dt, mass)
+  subroutine correct_pressure(state, mass)
     class(gas_state_t), intent(inout) :: state
-    real(wp), intent(in) :: dt
     real(wp), intent(out) :: mass  !< sum of |imbalance| that is left [kg/s]
 
     real(wp) :: aim, reduction
 
     call update_flux(state)
-    mass = find_imbalance(state, dt)
+    mass = find_imbalance(state)
     aim = margin*state%numerics%tolerance*state%report%mass_scale
     reduction = usual_reduction
     if (mass > 0.0_wp) then
@@ -161,7 +161,7 @@ contains
     call keep_flow(state)
     call fill_beyond(state)
     call update_flux(state)
-    mass = find_imbalance(state, dt)
+    mass = find_imbalance(state)
   end subroutine correct_pressure
 
   !> Whether a step cannot be saved: not a number, or far away.
@@ -214,9 +214,9 @@ contains
 
     sums = 0.0_wp
     courant = 0.0_wp
-    associate (n => state%boxes%n, eps => state%eps, old => state%eps_old, report => state%report)
+    associate (n => state%boxes%n, report => state%report)
       do a = 1, 3
-        courant = max(courant, maxval(abs(state%velocity(1:n(1), 1:n(2), 1:n(3), a)))*dt/state%mesh%h(a))
+        courant = max(courant, fastest(n, a, state%spacing(a)%width, state%velocity(:, :, :, a))*dt)
         do end = 1, 2
           if (.not. state%boundary%side(end, a)%mine) cycle
           lo = 1
@@ -231,7 +231,7 @@ contains
           end associate
         end do
       end do
-      sums(3) = state%density*state%mesh%volume/dt*sum(eps(1:n(1), 1:n(2), 1:n(3)) - old(1:n(1), 1:n(2), 1:n(3)))
+      sums(3) = sum(state%storage)
       sums = state%boxes%comm%sum(sums)
       report%inflow = sums(1)
       report%outflow = sums(2)
@@ -241,5 +241,25 @@ contains
       report%sweeps = state%momentum%sweeps
     end associate
   end subroutine report_flows
+
+  !> Largest |u|/h of component a over my cells [1/s].
+  pure function fastest(n, a, width, u) result(rate)
+    integer, intent(in) :: n(3), a
+    real(wp), intent(in) :: width(-1:n(a) + 2)
+    real(wp), intent(in) :: u(-1:n(1) + 2, -1:n(2) + 2, -1:n(3) + 2)
+    real(wp) :: rate
+
+    integer :: i, j, k, e(3)
+
+    e = unit_step(a)
+    rate = 0.0_wp
+    do k = 1, n(3)
+      do j = 1, n(2)
+        do i = 1, n(1)
+          rate = max(rate, abs(u(i, j, k))/width(dot_product(e, [i, j, k])))
+        end do
+      end do
+    end do
+  end function fastest
 
 end module simple_step

@@ -149,7 +149,7 @@ contains
     logical :: on
 
     integer :: a, b
-    real(wp) :: plane, near, h, first
+    real(wp) :: plane, near, first
 
     a = merge(side, side - 3, side <= 3)
     associate (domain => case%domain)
@@ -159,9 +159,8 @@ contains
       do b = 1, 3
         if (b == a) cycle
         on = on .and. min(region%upper(b), domain%upper(b)) > max(region%lower(b), domain%lower(b))
-        if (domain%cells(b) == 0 .or. .not. on) cycle
-        h = (domain%upper(b) - domain%lower(b))/domain%cells(b)
-        first = domain%lower(b) + (max(0, ceiling((region%lower(b) - domain%lower(b))/h - 0.5_wp)) + 0.5_wp)*h
+        if (domain%axis(b)%n == 0 .or. .not. on) cycle
+        first = domain%axis(b)%in_metres(max(0, ceiling(domain%axis(b)%in_cells(region%lower(b)) - 0.5_wp)) + 0.5_wp)
         on = on .and. first <= min(region%upper(b), domain%upper(b))
       end do
     end associate
@@ -272,8 +271,8 @@ contains
     real(wp) :: cell
     character(len=:), allocatable :: parcels
 
-    if (any(case%domain%cells == 0)) return
-    cell = minval((case%domain%upper - case%domain%lower)/case%domain%cells)
+    if (any(case%domain%axis%n == 0)) return
+    cell = minval(case%domain%axis%finest)
     if (largest <= cell*(1 + closeness)) return
     parcels = 'parcels of &fill('//trim(case%fills(i)%id)//') are up to '//brief(largest)//' m wide, wider than a cell: ' &
       //brief(cell)//' m'

@@ -47,7 +47,8 @@ contains
     associate (domain => case%domain, step => case%gas_numerics%time_step)
       call line(unit, 'gas', shown(case%gas%density)//' kg/m3, '//shown(case%gas%viscosity)//' Pa s')
       call line(unit, 'grid', by(real(domain%cells, wp))//' = '//shown(product(domain%cells))//' cells of ' &
-                //by((domain%upper - domain%lower)/domain%cells)//' m')
+                //by(domain%axis%finest)//' m')
+      if (.not. all(domain%axis%uniform)) call line(unit, '', 'up to '//by(domain%axis%coarsest)//' m')
       if (any(domain%cells == 1)) call line(unit, '', 'no flow in '//axes(domain%cells == 1)// &
                                             ', unless periodic: one cell across')
       if (any(abs(case%gas%pressure_drop) > 0)) call line(unit, '', 'driven by a pressure drop of ' &

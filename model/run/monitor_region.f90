@@ -7,6 +7,7 @@
 !> Of parcels: those with their centre in the region, which is made one gas cell thick where it has no extent.
 module monitor_region
   use boxes, only: boxes_t
+  use grid_axis, only: axis_t
   use kinds, only: wp
   use mesh, only: mesh_t
   implicit none
@@ -34,13 +35,13 @@ contains
     real(wp) :: thickness(3)
 
     n = 1
-    if (kind == 'line') n = max(1, nint(maxval((upper - lower)/mesh%h)))
+    if (kind == 'line') n = max(1, nint(maxval(mesh%in_cells(upper) - mesh%in_cells(lower))))
     allocate (samples(n))
     do i = 1, n
       associate (s => samples(i))
         s%lower = lower + (i - 1)*(upper - lower)/n
         s%upper = lower + i*(upper - lower)/n
-        thickness = merge(0.0_wp, mesh%h, upper > lower)
+        thickness = merge(0.0_wp, width_at(mesh, s%lower), upper > lower)
         s%low = max(s%lower - thickness/2, mesh%lower)
         s%high = min(s%upper + thickness/2, mesh%upper)
         s%first = 1
@@ -59,11 +60,10 @@ contains
     integer :: a
 
     do a = 1, 3
-      associate (n => mesh%n(a), from => (sample%lower(a) - mesh%lower(a))/mesh%h(a), &
-                 to => (sample%upper(a) - mesh%lower(a))/mesh%h(a))
+      associate (n => mesh%n(a), from => sample%lower(a), to => sample%upper(a))
         all_cells(:, a) = 0.0_wp
-        if (to > from) all_cells(:n, a) = shares(n, from, to)/(to - from)
-        if (to <= from) all_cells(:n, a) = interpolation(n, from, mesh%periodic(a))
+        if (to > from) all_cells(:n, a) = shares(mesh%axis(a), from, to)/(to - from)
+        if (to <= from) all_cells(:n, a) = interpolation(n, mesh%axis(a)%in_cells(from), mesh%periodic(a))
       end associate
     end do
     call keep_mine(sample, boxes, all_cells)
@@ -82,10 +82,9 @@ contains
     normal = minloc(sample%upper - sample%lower, dim=1)
     do a = 1, 3
       if (a == normal) cycle
-      all_cells(:mesh%n(a), a) = shares(mesh%n(a), (sample%lower(a) - mesh%lower(a))/mesh%h(a), &
-                                        (sample%upper(a) - mesh%lower(a))/mesh%h(a))
+      all_cells(:mesh%n(a), a) = shares(mesh%axis(a), sample%lower(a), sample%upper(a))/mesh%axis(a)%width(1:mesh%n(a))
     end do
-    face = nint((sample%lower(normal) - mesh%lower(normal))/mesh%h(normal))
+    face = nint(mesh%axis(normal)%in_cells(sample%lower(normal)))
     if (face == 0 .and. mesh%periodic(normal)) face = mesh%n(normal)
     all_cells(max(face, 1), normal) = 1.0_wp
     call keep_mine(sample, boxes, all_cells)
@@ -95,16 +94,28 @@ contains
     sample%last(normal) = merge(0, -1, boxes%at_low(normal))
   end subroutine weigh_faces
 
-  !> How much of each of n cells lies between two places, all in units of a cell.
-  pure function shares(n, from, to) result(share)
-    integer, intent(in) :: n
+  !> How much of each cell lies between two places, all in metres.
+  pure function shares(axis, from, to) result(share)
+    type(axis_t), intent(in) :: axis
     real(wp), intent(in) :: from, to
-    real(wp) :: share(n)
+    real(wp) :: share(axis%n)
 
     integer :: i
 
-    share = [(max(min(to, real(i, wp)) - max(from, real(i - 1, wp)), 0.0_wp), i=1, n)]
+    share = [(max(min(to, axis%face(i)) - max(from, axis%face(i - 1)), 0.0_wp), i=1, axis%n)]
   end function shares
+
+  !> Widths of the cell that holds a place [m].
+  pure function width_at(mesh, x) result(width)
+    type(mesh_t), intent(in) :: mesh
+    real(wp), intent(in) :: x(3)  !< [m]
+    real(wp) :: width(3)
+
+    integer :: a, cell(3)
+
+    cell = min(max(ceiling(mesh%in_cells(x)), 1), mesh%n)
+    width = [(mesh%axis(a)%width(cell(a)), a=1, 3)]
+  end function width_at
 
   !> The weights of n cells in a linear interpolation between their centres, constant beyond the last centres.
   pure function interpolation(n, place, periodic) result(weight)

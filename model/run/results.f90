@@ -76,8 +76,7 @@ contains
     if (self%parcels_open) self%walls_open = scene%solids%chamber%n_meshes > 0
     if (self%walls_open) call self%walls_file%open(folder//'/walls.vtkhdf', scene%comm, origin, outcome, after)
     if (outcome%failed()) return
-    if (self%gas_open) call self%gas_file%open(folder//'/gas.vtkhdf', scene%boxes, &
-      reshape([scene%mesh%lower, scene%mesh%h], [3, 2]), origin, outcome, after)
+    if (self%gas_open) call self%gas_file%open(folder//'/gas.vtkhdf', scene%boxes, scene%mesh, origin, outcome, after)
     if (outcome%failed()) return
     call self%series%open(folder//'/monitor.h5', scene%comm, origin, outcome, after)
     if (outcome%failed()) return

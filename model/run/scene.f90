@@ -16,7 +16,7 @@ module scene
   use enclosure, only: enclosure_of
   use gas, only: gas_t, new_gas
   use kinds, only: wp, i8
-  use mesh, only: mesh_t, new_mesh
+  use mesh, only: mesh_t, new_mesh, new_uniform_mesh
   use outcome, only: outcome_t, exit_failed
   use solids, only: solids_t
   use text, only: brief, shown
@@ -83,7 +83,7 @@ contains
     if (self%with_gas) call create_gas(self, case, outcome)
     if (outcome%failed()) return
     associate (d => case%domain)
-      if (.not. self%with_gas) self%mesh = new_mesh(d%lower, d%upper, cells_without_gas(d%upper - d%lower), d%periodic)
+      if (.not. self%with_gas) self%mesh = new_uniform_mesh(d%lower, d%upper, cells_without_gas(d%upper - d%lower), d%periodic)
     end associate
     if (self%with_parcels) call self%solids%create(comm, enclosure_of(case), case%contact, case%des, self%with_gas, &
                                                    tile_width(self))
@@ -98,7 +98,7 @@ contains
     type(outcome_t), intent(inout) :: outcome
 
     associate (d => case%domain)
-      self%mesh = new_mesh(d%lower, d%upper, d%cells, d%periodic)
+      self%mesh = new_mesh(d%axis)
       call new_boxes(self%comm, d%cells, d%periodic, self%boxes, outcome)
       if (outcome%failed()) return
       call new_gas(self%boxes, self%mesh, case%gas, case%boundaries, case%gas_numerics, self%gas, outcome)
@@ -123,7 +123,7 @@ contains
     real(wp) :: width
 
     width = 0.0_wp
-    if (self%with_gas) width = maxval(self%mesh%h)
+    if (self%with_gas) width = maxval(self%mesh%coarsest)
   end function tile_width
 
   !> Length of the next gas step [s].
@@ -286,7 +286,7 @@ contains
     facts = -huge(1.0_wp)
     if (largest >= self%comm%max(largest)) then
       cell = maxloc(abs(self%gas%imbalance))
-      facts(1:3) = self%mesh%lower + self%mesh%h*(self%boxes%lo + cell - 1.5_wp)
+      facts(1:3) = self%mesh%in_metres(self%boxes%lo + cell - 1.5_wp)
       facts(4) = self%gas%eps(cell(1), cell(2), cell(3))
     end if
     facts = self%comm%max(facts)

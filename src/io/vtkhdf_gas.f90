@@ -1,7 +1,7 @@
-!> The file of the gas, gas.vtkhdf: fields on the cells of the uniform grid at every output time, as VTK's temporal
-!> ImageData, which ParaView opens; gas.xmf beside it serves ParaView before 5.12 from the same data.
+!> The file of the gas, gas.vtkhdf: fields on the cells of the grid at every output time, as VTK's temporal ImageData
+!> or, of a graded grid, RectilinearGrid (VTKHDF 2.7, from ParaView 6.1 on); gas.xmf beside it serves older ParaView.
 !>
-!>   call gas%open(name, boxes, geometry, origin, outcome, after)
+!>   call gas%open(name, boxes, mesh, origin, outcome, after)
 !>   call gas%begin_step(time)
 !>   call gas%add('void_fraction', eps, '1')      any number of fields, the same in every step
 !>   call gas%end_step(outcome)
@@ -11,25 +11,26 @@
 module vtkhdf_gas
   use agreement, only: agree
   use boxes, only: boxes_t
-  use hdf5_arrays, only: put_block, put_attribute
-  use hdf5_file, only: single_kind
+  use hdf5_arrays, only: put_block, put_attribute, put_columns, share_t
+  use hdf5_file, only: single_kind, real_kind
   use kinds, only: wp, sp, i8
+  use mesh, only: mesh_t
   use outcome, only: outcome_t
   use provenance, only: provenance_t
-  use vtkhdf_steps, only: vtkhdf_t
+  use vtkhdf_steps, only: vtkhdf_t, put_row
   use xdmf, only: write_grid_sidecar
   implicit none
   private
   public :: vtkhdf_gas_t
 
   character(len=*), parameter :: cell_data = '/VTKHDF/CellData/'
+  character(len=*), parameter :: coordinates(3) = ['XCoordinates', 'YCoordinates', 'ZCoordinates']
 
   type, extends(vtkhdf_t) :: vtkhdf_gas_t
     private
-    integer :: cells(3)          !< of the grid
     integer :: lower(3)          !< first cell of my box
     integer(i8) :: largest(3)    !< cells of the largest box, the piece in which fields are stored
-    real(wp) :: geometry(3, 2)   !< lowest corner of the grid and edges of a cell [m]
+    type(mesh_t) :: mesh
   contains
     procedure :: open => open_gas
     procedure :: begin_step
@@ -42,11 +43,11 @@ module vtkhdf_gas
 contains
 
   !> Begin the file, or go on with that of the run which is continued at the time `after`.
-  subroutine open_gas(self, name, boxes, geometry, origin, outcome, after)
+  subroutine open_gas(self, name, boxes, mesh, origin, outcome, after)
     class(vtkhdf_gas_t), intent(out) :: self
     character(len=*), intent(in) :: name      !< ending in .vtkhdf
     type(boxes_t), intent(in) :: boxes
-    real(wp), intent(in) :: geometry(3, 2)    !< lowest corner of the grid and edges of a cell [m]
+    type(mesh_t), intent(in) :: mesh
     type(provenance_t), intent(in) :: origin
     type(outcome_t), intent(inout) :: outcome
     real(wp), intent(in), optional :: after   !< [s]
@@ -54,22 +55,45 @@ contains
     logical :: fresh
     integer :: a
 
-    self%cells = boxes%cells
     self%lower = boxes%lo
     do a = 1, 3
       self%largest(a) = boxes%comm%max(boxes%n(a))
     end do
-    self%geometry = geometry
+    self%mesh = mesh
     call self%start(name, boxes%comm, after, fresh)
-    if (boxes%comm%is_root() .and. fresh) then
-      call self%introduce('ImageData', origin)
-      call put_attribute(self%file, '/VTKHDF', 'WholeExtent', [0, self%cells(1), 0, self%cells(2), 0, self%cells(3)])
-      call put_attribute(self%file, '/VTKHDF', 'Origin', geometry(:, 1))
-      call put_attribute(self%file, '/VTKHDF', 'Spacing', geometry(:, 2))
-      call put_attribute(self%file, '/VTKHDF', 'Direction', real([1, 0, 0, 0, 1, 0, 0, 0, 1], wp))
-    end if
+    if (boxes%comm%is_root() .and. fresh .and. mesh%uniform) call introduce_image(self, origin)
+    if (boxes%comm%is_root() .and. fresh .and. .not. mesh%uniform) call introduce_graded(self, origin)
     call self%started(outcome)
   end subroutine open_gas
+
+  subroutine introduce_image(self, origin)
+    class(vtkhdf_gas_t), intent(inout) :: self
+    type(provenance_t), intent(in) :: origin
+
+    call self%introduce('ImageData', [2, 0], origin)
+    associate (n => self%mesh%n)
+      call put_attribute(self%file, '/VTKHDF', 'WholeExtent', [0, n(1), 0, n(2), 0, n(3)])
+    end associate
+    call put_attribute(self%file, '/VTKHDF', 'Origin', self%mesh%lower)
+    call put_attribute(self%file, '/VTKHDF', 'Spacing', self%mesh%finest)
+    call put_attribute(self%file, '/VTKHDF', 'Direction', real([1, 0, 0, 0, 1, 0, 0, 0, 1], wp))
+  end subroutine introduce_image
+
+  !> The coordinates of the faces are the same at all times, so their offsets are all 0.
+  subroutine introduce_graded(self, origin)
+    class(vtkhdf_gas_t), intent(inout) :: self
+    type(provenance_t), intent(in) :: origin
+
+    integer :: a, n
+
+    call self%introduce('RectilinearGrid', [2, 7], origin)
+    call put_attribute(self%file, '/VTKHDF', 'Dimensions', self%mesh%n + 1)
+    do a = 1, 3
+      n = self%mesh%n(a) + 1
+      call self%file%make('/VTKHDF/'//coordinates(a), real_kind, [int(n, i8)], [int(n, i8)])
+      call put_columns(self%file, '/VTKHDF/'//coordinates(a), self%mesh%axis(a)%face, share_t(n, 0, n))
+    end do
+  end subroutine introduce_graded
 
   subroutine begin_step(self, time)
     class(vtkhdf_gas_t), intent(inout) :: self
@@ -111,7 +135,7 @@ contains
 
     if (self%has_field(cell_data, name, components, single_kind)) return
     from = merge(2, 1, components == 1)
-    extent = [components, self%cells, 0]
+    extent = [components, self%mesh%n, 0]
     pieces = [int(components, i8), self%largest, 1_i8]
     call self%file%make(cell_data//name, single_kind, extent(from:), pieces(from:), compressed=.true.)
     call put_attribute(self%file, cell_data//name, 'unit', unit)
@@ -122,9 +146,16 @@ contains
     class(vtkhdf_gas_t), intent(inout) :: self
     type(outcome_t), intent(inout) :: outcome
 
+    integer :: a
+
     if (self%repeated) return
     call self%close_bulk(outcome)
     if (outcome%failed()) return
+    if (self%comm%is_root() .and. .not. self%mesh%uniform) then
+      do a = 1, 3
+        call put_row(self%file, '/VTKHDF/Steps/'//coordinates(a)//'Offsets', self%steps, [0_i8])
+      end do
+    end if
     call self%finish('/VTKHDF/Steps/CellDataOffsets/', int(self%steps, i8), outcome)
     if (self%sidecar_is_due(at_end=.false.)) call put_sidecar(self, outcome)
   end subroutine end_step
@@ -134,7 +165,7 @@ contains
     type(outcome_t), intent(inout) :: outcome
 
     if (self%comm%is_root()) then
-      call write_grid_sidecar(self%name, self%fields, self%times(:self%steps), self%cells, self%geometry, outcome)
+      call write_grid_sidecar(self%name, self%fields, self%times(:self%steps), self%mesh, outcome)
     end if
     call agree(self%comm, outcome)
   end subroutine put_sidecar

@@ -72,7 +72,7 @@ contains
     type(vtkhdf_parcels_t), intent(inout) :: self
     type(provenance_t), intent(in) :: origin
 
-    call self%introduce('PolyData', origin)
+    call self%introduce('PolyData', [2, 0], origin)
     call self%file%make(root//'Points', single_kind, [3_i8, 0_i8], [3_i8, chunk])
     call put_attribute(self%file, root//'Points', 'unit', 'm')
     call self%file%make(root//'Vertices/Connectivity', long_kind, [0_i8], [chunk])

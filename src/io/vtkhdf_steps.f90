@@ -77,13 +77,14 @@ contains
   end subroutine start
 
   !> Of a new file: what VTK wants to know first, and where the result comes from.
-  subroutine introduce(self, type, origin)
+  subroutine introduce(self, type, version, origin)
     class(vtkhdf_t), intent(inout) :: self
-    character(len=*), intent(in) :: type  !< 'PolyData' or 'ImageData'
+    character(len=*), intent(in) :: type  !< 'PolyData', 'ImageData' or 'RectilinearGrid'
+    integer, intent(in) :: version(2)     !< of VTKHDF, in which it is defined
     type(provenance_t), intent(in) :: origin
 
     call self%file%make_group('/VTKHDF')
-    call put_attribute(self%file, '/VTKHDF', 'Version', [2, 0])
+    call put_attribute(self%file, '/VTKHDF', 'Version', version)
     call put_attribute(self%file, '/VTKHDF', 'Type', type)
     call self%file%make('/VTKHDF/Steps/Values', real_kind, [0_i8], [rows_of_chunk])
     call put_attribute(self%file, '/VTKHDF/Steps', 'NSteps', 0)

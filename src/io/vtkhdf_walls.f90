@@ -42,7 +42,7 @@ contains
 
     call self%start(name, comm, after, fresh)
     if (comm%is_root() .and. fresh) then
-      call self%introduce('PolyData', origin)
+      call self%introduce('PolyData', [2, 0], origin)
       call self%file%make(root//'Points', single_kind, [3_i8, 0_i8], [3_i8, chunk])
       call put_attribute(self%file, root//'Points', 'unit', 'm')
     end if

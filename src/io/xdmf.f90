@@ -4,6 +4,7 @@ module xdmf
   use files, only: rename_file
   use hdf5_file, only: single_kind, long_kind
   use kinds, only: wp, i8
+  use mesh, only: mesh_t
   use outcome, only: outcome_t, exit_environment
   use vtkhdf_steps, only: field_t
   implicit none
@@ -48,13 +49,12 @@ contains
     call end_sidecar(name, unit, outcome)
   end subroutine write_cloud_sidecar
 
-  !> The sidecar of a uniform grid of cells.
-  subroutine write_grid_sidecar(name, fields, times, cells, geometry, outcome)
+  !> The sidecar of a grid of cells.
+  subroutine write_grid_sidecar(name, fields, times, mesh, outcome)
     character(len=*), intent(in) :: name         !< of the .vtkhdf file
     type(field_t), intent(in) :: fields(:)
     real(wp), intent(in) :: times(:)             !< of the steps [s]
-    integer, intent(in) :: cells(3)              !< of the grid
-    real(wp), intent(in) :: geometry(3, 2)       !< lowest corner and edges of a cell [m]
+    type(mesh_t), intent(in) :: mesh
     type(outcome_t), intent(inout) :: outcome
 
     integer :: unit, step, i
@@ -64,14 +64,10 @@ contains
     source = base_of(name)
     call begin_sidecar(name, 'gas', unit, outcome)
     if (outcome%failed()) return
-    outer = [size(times), cells(3), cells(2), cells(1)]   ! as C sees them
+    outer = [size(times), mesh%n(3), mesh%n(2), mesh%n(1)]   ! as C sees them
     do step = 1, size(times)
       call begin_grid(unit, times(step))
-      write (unit, '(a,3(i0,1x),a)') '<Topology TopologyType="3DCoRectMesh" Dimensions="', outer(2:) + 1, '"/>'
-      write (unit, '(a)') '<Geometry GeometryType="ORIGIN_DXDYDZ">'
-      write (unit, '(a,3es24.16,a)') '<DataItem Dimensions="3" Format="XML">', geometry(3:1:-1, 1), '</DataItem>', &
-        '<DataItem Dimensions="3" Format="XML">', geometry(3:1:-1, 2), '</DataItem>'
-      write (unit, '(a)') '</Geometry>'
+      call write_geometry(unit, mesh)
       do i = 1, size(fields)
         call begin_field(unit, fields(i), 'Cell')
         associate (path => source//':/VTKHDF/CellData/'//trim(fields(i)%name), start => [step - 1_i8, 0_i8, 0_i8, 0_i8])
@@ -88,6 +84,30 @@ contains
     end do
     call end_sidecar(name, unit, outcome)
   end subroutine write_grid_sidecar
+
+  !> The corners of the cells.
+  subroutine write_geometry(unit, mesh)
+    integer, intent(in) :: unit
+    type(mesh_t), intent(in) :: mesh
+
+    integer :: a
+
+    write (unit, '(3a,3(i0,1x),a)') '<Topology TopologyType="', trim(merge('3DCoRectMesh', '3DRectMesh  ', mesh%uniform)), &
+      '" Dimensions="', mesh%n(3:1:-1) + 1, '"/>'
+    if (mesh%uniform) then
+      write (unit, '(a)') '<Geometry GeometryType="ORIGIN_DXDYDZ">'
+      write (unit, '(a,3es24.16,a)') '<DataItem Dimensions="3" Format="XML">', mesh%lower(3:1:-1), '</DataItem>', &
+        '<DataItem Dimensions="3" Format="XML">', mesh%finest(3:1:-1), '</DataItem>'
+    else
+      write (unit, '(a)') '<Geometry GeometryType="VXVYVZ">'
+      do a = 1, 3
+        write (unit, '(a,i0,a,*(es24.16))', advance='no') '<DataItem Dimensions="', mesh%n(a) + 1, '" Format="XML">', &
+          mesh%axis(a)%face
+        write (unit, '(a)') '</DataItem>'
+      end do
+    end if
+    write (unit, '(a)') '</Geometry>'
+  end subroutine write_geometry
 
   !> The file name without folders: the sidecar lies beside it.
   pure function base_of(name) result(base)

@@ -1,8 +1,8 @@
 !> The gas cells that the parcels of this rank can touch.
 !>
 !> A parcel touches the eight cells whose centres surround it. The window is the smallest rectangular range of cells
-!> that holds those of every place within a margin of the tiles of this rank. Along a periodic direction an index
-!> may lie below 1 or above the number of cells: it is then an image of a cell at the other end.
+!> that holds those of every place that a parcel of this rank can be at, all places counted in cells. Along a periodic
+!> direction an index may lie below 1 or above the number of cells: it is then an image of a cell at the other end.
 !> Of the range only the cells marked `wanted` are ever filled; fields over a window are (components, cells), its
 !> cells counted from 1 with x fastest.
 module window
@@ -16,8 +16,6 @@ module window
   type :: window_t
     integer :: grid(3)                 !< cells of the whole grid
     logical :: periodic(3)             !< whether opposite faces of the grid are joined
-    real(wp) :: lower(3)               !< lowest corner of the grid [m]
-    real(wp) :: h(3)                   !< edges of a cell [m]
     integer :: lo(3), hi(3)            !< first and last cell, counted in the whole grid from 1; at least two cells
     integer :: n(3)                    !< hi - lo + 1, or 0 where the rank has no tile
     logical, allocatable :: wanted(:)  !< (cells) whether a parcel can touch the cell
@@ -29,23 +27,18 @@ module window
 contains
 
   !> The window of a set of boxes of space.
-  pure function new_window(grid, periodic, lower, h, corners, margin) result(window)
+  pure function new_window(grid, periodic, corners) result(window)
     integer, intent(in) :: grid(3)           !< cells of the whole grid
     logical, intent(in) :: periodic(3)
-    real(wp), intent(in) :: lower(3)         !< lowest corner of the grid [m]
-    real(wp), intent(in) :: h(3)             !< edges of a cell [m]
-    real(wp), intent(in) :: corners(:,:,:)   !< (3,2,boxes) lower and upper corner of each [m]
-    real(wp), intent(in) :: margin           !< how far a parcel may be outside them [m]
+    real(wp), intent(in) :: corners(:,:,:)   !< (3,2,boxes) lower and upper corner of each, counted in cells
     type(window_t) :: window
 
     integer :: i, lo(3, size(corners, 3)), hi(3, size(corners, 3))
 
     window%grid = grid
     window%periodic = periodic
-    window%lower = lower
-    window%h = h
     do i = 1, size(corners, 3)
-      call touched(window, corners(:, :, i), margin, lo(:, i), hi(:, i))
+      call touched(window, corners(:, :, i), lo(:, i), hi(:, i))
     end do
     if (size(corners, 3) > 0) then
       window%lo = minval(lo, 2)
@@ -70,24 +63,21 @@ contains
 
     window%grid = grid
     window%periodic = periodic
-    window%lower = 0.0_wp
-    window%h = 1.0_wp
     window%lo = lo
     window%hi = hi
     window%n = hi - lo + 1
     allocate (window%wanted(product(window%n)), source=.true.)
   end function range_of_cells
 
-  !> The range of cells a parcel in a box, or within the margin around it, can touch.
-  pure subroutine touched(window, corners, margin, lo, hi)
+  !> The range of cells a parcel in a box can touch.
+  pure subroutine touched(window, corners, lo, hi)
     type(window_t), intent(in) :: window
-    real(wp), intent(in) :: corners(3, 2)  !< lower and upper corner [m]
-    real(wp), intent(in) :: margin         !< [m]
+    real(wp), intent(in) :: corners(3, 2)  !< lower and upper corner, counted in cells
     integer, intent(out) :: lo(3), hi(3)
 
-    ! The centre of cell c is at lower + (c - 1/2) h.
-    lo = floor((corners(:, 1) - margin - window%lower)/window%h + 0.5_wp - round_off)
-    hi = floor((corners(:, 2) + margin - window%lower)/window%h + 0.5_wp + round_off) + 1
+    ! The centre of cell c is at c - 1/2.
+    lo = floor(corners(:, 1) + 0.5_wp - round_off)
+    hi = floor(corners(:, 2) + 0.5_wp + round_off) + 1
     where (.not. window%periodic)
       lo = min(max(lo, 1), window%grid)
       hi = min(max(hi, 1), window%grid)

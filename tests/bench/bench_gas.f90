@@ -8,7 +8,7 @@ program bench_gas
   use gas_numerics, only: gas_numerics_t
   use gas_settings, only: gas_settings_t
   use kinds, only: wp
-  use mesh, only: mesh_t, new_mesh
+  use mesh, only: mesh_t, new_uniform_mesh
   use outcome, only: outcome_t
   implicit none
 
@@ -28,7 +28,7 @@ program bench_gas
   call start_ranks(comm)
   cells = [argument(1, 16), argument(2, 120), argument(3, 4)]
   steps = argument(4, 50)
-  mesh = new_mesh([0.0_wp, 0.0_wp, 0.0_wp], edge*cells, cells, [.false., .false., .false.])
+  mesh = new_uniform_mesh([0.0_wp, 0.0_wp, 0.0_wp], edge*cells, cells, [.false., .false., .false.])
   call new_boxes(comm, cells, mesh%periodic, boxes, outcome)
   records(1)%id = 'bottom'
   records(1)%lower = 0.0_wp
@@ -107,7 +107,7 @@ contains
       do k = 1, n(3)
         do j = 1, n(2)
           do i = 1, n(1)
-            x = (lo + [i, j, k] - 1.5_wp)*mesh%h
+            x = (lo + [i, j, k] - 1.5_wp)*mesh%finest
             solids = 0.55_wp/(1 + exp((x(2) - height)/edge))
             do bubble = 0, 7
               centre = [mesh%upper(1)*modulo(0.37_wp*bubble + 0.2_wp, 1.0_wp), &
@@ -118,7 +118,7 @@ contains
             eps = 1 - solids*(1 + 0.1_wp*noise)
             gas%eps(i, j, k) = eps
             ! Ergun for 0.56 mm beads at 0.3 m/s slip
-            gas%drag(i, j, k) = mesh%volume*(150*(1 - eps)**2*1.8e-5_wp/(eps*0.56e-3_wp**2) &
+            gas%drag(i, j, k) = product(mesh%finest)*(150*(1 - eps)**2*1.8e-5_wp/(eps*0.56e-3_wp**2) &
                                             + 1.75_wp*1.2_wp*(1 - eps)*0.3_wp/0.56e-3_wp)
             gas%drag_source(:, i, j, k) = gas%drag(i, j, k)*0.2_wp*[hash(i, j, k, step + 7), 1.0_wp, hash(k, j, i, step + 9)]
           end do

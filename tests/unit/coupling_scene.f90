@@ -10,7 +10,7 @@ module coupling_scene
   use gas_numerics, only: gas_numerics_t
   use gas_settings, only: gas_settings_t
   use kinds, only: wp
-  use mesh, only: mesh_t, new_mesh
+  use mesh, only: mesh_t, new_uniform_mesh
   use outcome, only: outcome_t
   use parcels, only: parcels_t, velocity_row, mass_row, drive_row
   use tiles, only: tiles_t, new_tiles
@@ -52,7 +52,7 @@ contains
     real(wp) :: upper(3)
 
     upper = scale*[1.0_wp, 2.0_wp, 1.0_wp]
-    scene%mesh = new_mesh(spread(0.0_wp, 1, 3), upper, n, periodic)
+    scene%mesh = new_uniform_mesh(spread(0.0_wp, 1, 3), upper, n, periodic)
     call new_boxes(comm, n, periodic, scene%boxes, outcome)
     scene%tiles = new_tiles(comm, spread(0.0_wp, 1, 3), upper, periodic, scale*[0.17_wp, 0.19_wp, 0.23_wp])
     settings%drag = drag
@@ -114,7 +114,7 @@ contains
       do k = -1, scene%boxes%n(3) + 2
         do j = -1, scene%boxes%n(2) + 2
           do i = -1, scene%boxes%n(1) + 2
-            gas%pressure(i, j, k) = dot_product(gradient, scene%mesh%h*(scene%boxes%lo + [i, j, k]))
+            gas%pressure(i, j, k) = dot_product(gradient, scene%mesh%finest*(scene%boxes%lo + [i, j, k]))
           end do
         end do
       end do

@@ -6,8 +6,9 @@ module gas_cases
   use gas, only: gas_t, new_gas
   use gas_numerics, only: gas_numerics_t
   use gas_settings, only: gas_settings_t
+  use grid_axis, only: axis_t
   use kinds, only: wp
-  use mesh, only: mesh_t, new_mesh
+  use mesh, only: mesh_t, new_mesh, new_uniform_mesh
   use outcome, only: outcome_t
   implicit none
   private
@@ -18,6 +19,7 @@ module gas_cases
   type :: scene_t
     real(wp) :: upper(3) = 1.0_wp
     integer :: cells(3) = 1
+    type(axis_t), allocatable :: axis(:)  !< in place of equal cells
     logical :: periodic(3) = .false.
     real(wp) :: gravity(3) = 0.0_wp
     type(gas_settings_t) :: settings
@@ -50,7 +52,8 @@ contains
     type(boxes_t) :: boxes
     type(mesh_t) :: mesh
 
-    mesh = new_mesh([0.0_wp, 0.0_wp, 0.0_wp], scene%upper, scene%cells, scene%periodic)
+    mesh = new_uniform_mesh([0.0_wp, 0.0_wp, 0.0_wp], scene%upper, scene%cells, scene%periodic)
+    if (allocated(scene%axis)) mesh = new_mesh(scene%axis)
     call new_boxes(comm, scene%cells, scene%periodic, boxes, outcome)
     if (outcome%failed()) return
     call new_gas(boxes, mesh, scene%settings, scene%records, scene%numerics, gas, outcome)

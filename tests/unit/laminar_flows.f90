@@ -36,7 +36,7 @@ contains
     ok = steps(gas, 4, 10.0_wp)
     worst = 0.0_wp
     do j = 1, gas%boxes%n(2)
-      y = (gas%boxes%lo(2) + j - 1.5_wp)*gas%mesh%h(2)
+      y = (gas%boxes%lo(2) + j - 1.5_wp)*gas%mesh%finest(2)
       exact = drop/length*y*(gap - y)/(2*viscosity)
       worst = max(worst, maxval(abs(gas%velocity(1:gas%boxes%n(1), j, 1, 1) - exact)))
     end do
@@ -95,7 +95,7 @@ contains
     ok = steps(gas, 150, 0.3_wp)
     worst = 0.0_wp
     do j = 1, gas%boxes%n(2)
-      y = (gas%boxes%lo(2) + j - 1.5_wp)*gas%mesh%h(2)
+      y = (gas%boxes%lo(2) + j - 1.5_wp)*gas%mesh%finest(2)
       exact = lid*y/gap + pressure_drop/edge*y*(gap - y)/(2*thin)
       worst = max(worst, maxval(abs(gas%velocity(1:gas%boxes%n(1), j, 1, 1) - exact)))
     end do
@@ -123,8 +123,8 @@ contains
     error = 0.0_wp
     do k = 1, gas%boxes%n(3)
       do j = 1, gas%boxes%n(2)
-        y = (gas%boxes%lo(2) + j - 1.5_wp)*gas%mesh%h(2)
-        z = (gas%boxes%lo(3) + k - 1.5_wp)*gas%mesh%h(3)
+        y = (gas%boxes%lo(2) + j - 1.5_wp)*gas%mesh%finest(2)
+        z = (gas%boxes%lo(3) + k - 1.5_wp)*gas%mesh%finest(3)
         error = error + (gas%velocity(1, j, k, 1) - duct_velocity(y - gap/2, z - gap/2))**2/n**2
       end do
     end do

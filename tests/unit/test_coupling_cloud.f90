@@ -81,7 +81,7 @@ contains
       call expect_close(exchange%momentum_residual, 0.0_wp, 1e-13_wp, 'momentum given is momentum taken, '//name)
       call expect(all(abs(exchange%drag - force) < 1e-12_wp*maxval(abs(force))), 'drag on all parcels, '//name)
       call expect_close(exchange%solids_volume, sum(cloud%weight*pi/6*cloud%diameter**3), 1e-13_wp, 'volume, '//name)
-      call expect_close(sum(1 - given(5, :, :, :))*scene%mesh%volume, exchange%solids_volume, 1e-12_wp, &
+      call expect_close(sum(1 - given(5, :, :, :))*product(scene%mesh%finest), exchange%solids_volume, 1e-12_wp, &
         'no volume is lost, '//name)
       call expect_close(exchange%least_void_fraction, minval(expected(5, :, :, :)), 1e-12_wp, 'least void fraction, '//name)
       call expect(all(exchange%worst_cell == minloc(expected(5, :, :, :))), 'and where, '//name)
@@ -194,7 +194,7 @@ contains
     do m = 1, total
       volume = pi/6*cloud%diameter(m)**3
       expected(5, :, :, :) = expected(5, :, :, :) &
-        - weights(scene%mesh, settings, cloud%x(:, m) + cloud%moved(:, m))*cloud%weight(m)*volume/scene%mesh%volume
+        - weights(scene%mesh, settings, cloud%x(:, m) + cloud%moved(:, m))*cloud%weight(m)*volume/product(scene%mesh%finest)
     end do
     force = 0.0_wp
     do m = 1, total
@@ -256,7 +256,7 @@ contains
 
     one = 0.0_wp
     do a = 1, 3
-      s = (x(a) - mesh%lower(a))/mesh%h(a) + 0.5_wp
+      s = (x(a) - mesh%lower(a))/mesh%finest(a) + 0.5_wp
       if (.not. mesh%periodic(a)) s = min(max(s, 1.0_wp), real(mesh%n(a), wp))
       if (settings%mapping == 'cell') s = anint(s)
       do c = 1, mesh%n(a)
@@ -312,20 +312,20 @@ contains
 
     call build(comm, 0.1_wp, [8, 12, 6], [.false., .false., .false.], 'beetstra', scene)
     do i = 1, 10
-      call add(scene, scene%mesh%h*([3, 7, 2] - 0.5_wp), spread(0.0_wp, 1, 3), 1.0e-3_wp, solid_density, 1000.0_wp)
+      call add(scene, scene%mesh%finest*([3, 7, 2] - 0.5_wp), spread(0.0_wp, 1, 3), 1.0e-3_wp, solid_density, 1000.0_wp)
     end do
     volume = 10*1000*pi/6*1.0e-9_wp
     call scene%coupling%map_void_fraction(scene%parcels, scene%gas)
     associate (n => scene%boxes%n)
-      seen = comm%sum(sum(1 - scene%gas%eps(1:n(1), 1:n(2), 1:n(3)))*scene%mesh%volume)
+      seen = comm%sum(sum(1 - scene%gas%eps(1:n(1), 1:n(2), 1:n(3)))*product(scene%mesh%finest))
     end associate
     call scene%coupling%prepare(scene%parcels, scene%gas, dt)
     call scene%coupling%drive(scene%parcels, scene%gas, dt)
     if (.not. comm%is_root()) return
     associate (exchange => scene%coupling%exchange)
-      call expect_close(seen, 0.7_wp*scene%mesh%volume, 1e-12_wp, 'the gas sees the least void fraction')
-      call expect_close(exchange%clipped_volume, volume - 0.7_wp*scene%mesh%volume, 1e-12_wp, 'the rest is recorded')
-      call expect_close(exchange%least_void_fraction, 1 - volume/scene%mesh%volume, 1e-12_wp, 'and how bad it is')
+      call expect_close(seen, 0.7_wp*product(scene%mesh%finest), 1e-12_wp, 'the gas sees the least void fraction')
+      call expect_close(exchange%clipped_volume, volume - 0.7_wp*product(scene%mesh%finest), 1e-12_wp, 'the rest is recorded')
+      call expect_close(exchange%least_void_fraction, 1 - volume/product(scene%mesh%finest), 1e-12_wp, 'and how bad it is')
       call expect(exchange%clipped_cells == 1 .and. all(exchange%worst_cell == [3, 7, 2]), 'and where')
     end associate
   end subroutine check_clipping

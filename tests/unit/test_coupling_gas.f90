@@ -188,8 +188,8 @@ contains
     do k = 1, scene%mesh%n(3)
       do j = 1, scene%mesh%n(2)
         do i = 1, scene%mesh%n(1)
-          call add(scene, scene%mesh%h*([i, j, k] - 0.5_wp), spread(0.0_wp, 1, 3), d, solid_density, &
-                   solids*scene%mesh%volume/(pi/6*d**3))
+          call add(scene, scene%mesh%finest*([i, j, k] - 0.5_wp), spread(0.0_wp, 1, 3), d, solid_density, &
+                   solids*product(scene%mesh%finest)/(pi/6*d**3))
         end do
       end do
     end do
@@ -202,7 +202,7 @@ contains
 
     associate (n => scene%boxes%n, parcels => scene%parcels, gas => scene%gas)
       momentum = sum(parcels%state(velocity_row + 1, :parcels%n)/parcels%state(8, :parcels%n))
-      momentum = momentum + density*scene%mesh%volume &
+      momentum = momentum + density*product(scene%mesh%finest) &
         *sum(gas%eps(1:n(1), 1:n(2), 1:n(3))*gas%velocity(1:n(1), 1:n(2), 1:n(3), 2))
     end associate
     momentum = comm%sum(momentum)

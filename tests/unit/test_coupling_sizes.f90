@@ -67,8 +67,8 @@ contains
     do k = 1, scene%mesh%n(3)
       do j = 1, scene%mesh%n(2)
         do i = 1, scene%mesh%n(1)
-          call add(scene, scene%mesh%h*([i, j, k] - 0.5_wp), spread(0.0_wp, 1, 3), d, 1.0e6_wp, &
-                   solids*scene%mesh%volume/(pi/6*d**3))
+          call add(scene, scene%mesh%finest*([i, j, k] - 0.5_wp), spread(0.0_wp, 1, 3), d, 1.0e6_wp, &
+                   solids*product(scene%mesh%finest)/(pi/6*d**3))
         end do
       end do
     end do
@@ -126,8 +126,8 @@ contains
     integer :: i
 
     call build(comm, scale, [4, 8, 4], [.false., .false., .false.], 'beetstra', scene, polydispersity='beetstra')
-    call add(scene, scene%mesh%h*[1.75_wp, 3.5_wp, 1.5_wp], spread(0.0_wp, 1, 3), small, 2500.0_wp, 30.0_wp)
-    call add(scene, scene%mesh%h*[2.5_wp, 3.5_wp, 1.5_wp], spread(0.0_wp, 1, 3), large, 2500.0_wp, 2.0_wp)
+    call add(scene, scene%mesh%finest*[1.75_wp, 3.5_wp, 1.5_wp], spread(0.0_wp, 1, 3), small, 2500.0_wp, 30.0_wp)
+    call add(scene, scene%mesh%finest*[2.5_wp, 3.5_wp, 1.5_wp], spread(0.0_wp, 1, 3), large, 2500.0_wp, 2.0_wp)
     call scene%coupling%map_void_fraction(scene%parcels, scene%gas)
     mean = 0.0_wp
     do i = 1, scene%parcels%n

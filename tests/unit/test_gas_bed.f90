@@ -55,7 +55,7 @@ contains
 
     call make_gas(comm, column(), gas, outcome)
     associate (n => gas%boxes%n)
-      drag = gradient*eps**2*gas%mesh%volume/speed
+      drag = gradient*eps**2*product(gas%mesh%finest)/speed
       gas%eps(1:n(1), 1:n(2), 1:n(3)) = eps
       gas%drag(1:n(1), 1:n(2), 1:n(3)) = drag
       call gas%accept()
@@ -137,7 +137,7 @@ contains
       call set_cells(gas%boxes, wavy_void, gas%eps)
       call gas%accept()
       ok = steps(gas, 3, 1.0e-3_wp)
-      h = gas%mesh%h(2)
+      h = gas%mesh%finest(2)
       fastest = comm%max(maxval(abs(gas%velocity)))
       if (comm%is_root()) then
         call expect(ok, 'gas at rest converges')
@@ -233,7 +233,7 @@ contains
     above = 0.0_wp
     associate (n => gas%boxes%n)
       if (gas%boxes%at_low(2)) then
-        above = 1.2_wp*gas%mesh%area(2)*sum(gas%velocity(1:n(1), 0, 1:n(3), 2), &
+        above = 1.2_wp*product(gas%mesh%finest([1, 3]))*sum(gas%velocity(1:n(1), 0, 1:n(3), 2), &
           spread([(gas%boxes%lo(1) - 1 + i, i=1, n(1))], 2, n(3)) <= 2)
       end if
     end associate

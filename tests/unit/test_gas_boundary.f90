@@ -214,7 +214,7 @@ contains
       found = comm%sum([(sum(gas%flux(1:n(1), 1:n(2), 1:n(3), a))/cells(a), a=1, 3)])
       allocate (field(3, n(1), n(2), n(3)))
       call gas%cell_pressure_gradient(field)
-      gradient = comm%sum(sum(reshape(field, [3, product(n)]), dim=2))*gas%mesh%volume
+      gradient = comm%sum(sum(reshape(field, [3, product(n)]), dim=2))*product(gas%mesh%finest)
     end associate
     balance = gas%drag_total()
     if (comm%is_root()) then

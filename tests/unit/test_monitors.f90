@@ -10,7 +10,7 @@ program test_monitors
   use hdf5_file, only: hdf5_file_t, start_hdf5, stop_hdf5
   use hdf5_arrays, only: get_columns
   use kinds, only: wp, i8
-  use mesh, only: mesh_t, new_mesh
+  use mesh, only: mesh_t, new_uniform_mesh
   use monitor_settings, only: monitor_settings_t
   use monitors, only: monitors_t
   use outcome, only: outcome_t
@@ -31,7 +31,7 @@ program test_monitors
   call start_hdf5()
   file = 'build/tests/monitors_'//achar(iachar('0') + comm%size)//'.h5'
   if (comm%is_root()) call make_folder('build/tests', outcome)
-  mesh = new_mesh(lower, upper, cells, [.false., .false., .true.])
+  mesh = new_uniform_mesh(lower, upper, cells, [.false., .false., .true.])
   call new_boxes(comm, cells, mesh%periodic, boxes, outcome)
   call measure()
   if (comm%is_root()) then
@@ -130,12 +130,12 @@ contains
       do k = 0, n(3)
         do j = 0, n(2)
           do i = 0, n(1)
-            x = lower + (boxes%lo - 1 + [i, j, k] - 0.5_wp)*mesh%h
+            x = lower + (boxes%lo - 1 + [i, j, k] - 0.5_wp)*mesh%finest
             p(i, j, k) = merge(pressure(x), -99.0_wp, all([i, j, k] > 0))
             eps(i, j, k) = merge(0.4_wp, 0.8_wp, x(2) < 0.3_wp)
             do a = 1, 3
               face = x
-              face(a) = x(a) + mesh%h(a)/2
+              face(a) = x(a) + mesh%finest(a)/2
               u(i, j, k, a) = a*face(a)
               flux(i, j, k, a) = 1000*a + face(2)
             end do

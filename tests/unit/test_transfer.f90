@@ -10,8 +10,6 @@ program test_transfer
   implicit none
 
   integer, parameter :: pieces(3) = [3, 4, 2]    ! regions the domain is cut into, dealt to the ranks in turn
-  real(wp), parameter :: lower(3) = [-1.0_wp, 0.5_wp, 2.0_wp]
-  real(wp), parameter :: upper(3) = [0.4_wp, 2.0_wp, 2.9_wp]
   type(communicator_t) :: comm
 
   call start_ranks(comm)
@@ -31,20 +29,18 @@ contains
     real(wp) :: corners(3, 2, 1)
 
     if (.not. comm%is_root()) return
-    corners(:, 1, 1) = [0.0_wp, 2.2_wp, 0.0_wp]
-    corners(:, 2, 1) = [2.0_wp, 4.0_wp, 10.0_wp]
-    window = new_window([10, 10, 10], [.true., .false., .false.], spread(0.0_wp, 1, 3), spread(1.0_wp, 1, 3), &
-                        corners, 0.1_wp)
+    corners(:, 1, 1) = [-0.1_wp, 2.1_wp, -0.1_wp]
+    corners(:, 2, 1) = [2.1_wp, 4.1_wp, 10.1_wp]
+    window = new_window([10, 10, 10], [.true., .false., .false.], corners)
     call expect(all(window%lo == [0, 2, 1]), 'a window begins one centre below, or at the wall')
     call expect(all(window%hi == [3, 5, 10]), 'a window ends one centre above, or at the wall')
     call expect(all(window%cell_at(1) == [10, 2, 1]), 'the first cell of a periodic window is an image')
     call expect(all(window%cell_at(4*4*3 + 4*2 + 4) == [3, 4, 4]), 'cells are counted with x fastest')
-    window = new_window([10, 10, 10], [.true., .false., .false.], spread(0.0_wp, 1, 3), spread(1.0_wp, 1, 3), &
-                        corners(:, :, 1:0), 0.1_wp)
+    window = new_window([10, 10, 10], [.true., .false., .false.], corners(:, :, 1:0))
     call expect(window%cells() == 0, 'no region, no window')
   end subroutine check_window
 
-  !> Corners of the regions of one rank.
+  !> Corners of the regions of one rank, over the size of the domain.
   function regions(rank) result(corners)
     integer, intent(in) :: rank
     real(wp), allocatable :: corners(:,:,:)
@@ -52,7 +48,7 @@ contains
     integer :: i, j, k, m
     real(wp) :: edge(3)
 
-    edge = (upper - lower)/pieces
+    edge = 1.0_wp/pieces
     allocate (corners(3, 2, 0))
     m = 0
     do k = 0, pieces(3) - 1
@@ -60,7 +56,7 @@ contains
         do i = 0, pieces(1) - 1
           m = m + 1
           if (modulo(5*m + m/7, comm%size) /= rank) cycle
-          corners = reshape([corners, lower + edge*[i, j, k], lower + edge*[i + 1, j + 1, k + 1]], &
+          corners = reshape([corners, edge*[i, j, k], edge*[i + 1, j + 1, k + 1]], &
                             [3, 2, size(corners, 3) + 1])
         end do
       end do
@@ -72,7 +68,15 @@ contains
     logical, intent(in) :: periodic(3)
     type(window_t) :: window
 
-    window = new_window(n, periodic, lower, (upper - lower)/n, regions(rank), 0.02_wp)
+    real(wp), allocatable :: corners(:,:,:)
+    integer :: a
+
+    corners = regions(rank)
+    do a = 1, 3
+      corners(a, 1, :) = n(a)*corners(a, 1, :) - 0.1_wp
+      corners(a, 2, :) = n(a)*corners(a, 2, :) + 0.1_wp
+    end do
+    window = new_window(n, periodic, corners)
   end function window_of
 
   subroutine check_transfer(n, periodic, name)

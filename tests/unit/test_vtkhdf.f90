@@ -11,7 +11,9 @@ program test_vtkhdf
   use files, only: make_folder, exists
   use hdf5_arrays, only: get_columns, get_attribute
   use hdf5_file, only: hdf5_file_t, start_hdf5, stop_hdf5
+  use grid_axis, only: graded_axis
   use kinds, only: wp, i8
+  use mesh, only: mesh_t, new_mesh, new_uniform_mesh
   use outcome, only: outcome_t
   use provenance, only: provenance_t
   use vtkhdf_gas, only: vtkhdf_gas_t
@@ -19,7 +21,7 @@ program test_vtkhdf
   implicit none
 
   integer, parameter :: cells(3) = [6, 10, 4]
-  real(wp), parameter :: geometry(3, 2) = reshape([0.1_wp, 0.2_wp, 0.3_wp, 0.01_wp, 0.02_wp, 0.03_wp], [3, 2])
+  real(wp), parameter :: corner(3) = [0.1_wp, 0.2_wp, 0.3_wp], edge(3) = [0.01_wp, 0.02_wp, 0.03_wp]
   type(communicator_t) :: comm
   type(outcome_t) :: outcome
   type(provenance_t) :: origin
@@ -66,24 +68,31 @@ contains
     integer, intent(in) :: from, to
 
     type(vtkhdf_parcels_t) :: parcels
-    type(vtkhdf_gas_t) :: gas
+    type(vtkhdf_gas_t) :: gas, graded
     type(boxes_t) :: boxes
+    type(mesh_t) :: even, uneven
     integer :: s
 
     call new_boxes(comm, cells, [.false., .false., .false.], boxes, outcome)
+    even = new_uniform_mesh(corner, corner + cells*edge, cells, boxes%periodic)
+    uneven = new_mesh([even%axis(1), graded_axis(corner(2) + edge(2)*[(real(s*s, wp), s=0, cells(2))], .false.), even%axis(3)])
     if (from == 0) then
       call parcels%open(folder//'/parcels.vtkhdf', comm, origin, outcome)
-      call gas%open(folder//'/gas.vtkhdf', boxes, geometry, origin, outcome)
+      call gas%open(folder//'/gas.vtkhdf', boxes, even, origin, outcome)
+      call graded%open(folder//'/graded.vtkhdf', boxes, uneven, origin, outcome)
     else
       call parcels%open(folder//'/parcels.vtkhdf', comm, origin, outcome, 0.1_wp*from)
-      call gas%open(folder//'/gas.vtkhdf', boxes, geometry, origin, outcome, 0.1_wp*from)
+      call gas%open(folder//'/gas.vtkhdf', boxes, even, origin, outcome, 0.1_wp*from)
+      call graded%open(folder//'/graded.vtkhdf', boxes, uneven, origin, outcome, 0.1_wp*from)
     end if
     do s = from, to
       call write_parcels(parcels, s)
       call write_gas(gas, boxes, s)
+      call write_gas(graded, boxes, s)
     end do
     call parcels%close(outcome)
     call gas%close(outcome)
+    call graded%close(outcome)
   end subroutine write_steps
 
   subroutine write_parcels(file, s)

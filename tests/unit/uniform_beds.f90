@@ -32,7 +32,7 @@ contains
       call advance(scene, 1.0e-4_wp)
       scene%parcels%state(velocity_row:velocity_row + 2, :n) = 0.0_wp
     end do
-    gradient = (scene%gas%pressure(1, 3, 1) - scene%gas%pressure(1, 6, 1))/(3*scene%mesh%h(2))
+    gradient = (scene%gas%pressure(1, 3, 1) - scene%gas%pressure(1, 6, 1))/(3*scene%mesh%finest(2))
     call scene%gas%destroy()
   end function packed_gradient
 
@@ -106,8 +106,8 @@ contains
     do k = 1, 2
       do j = 1, 8
         do i = 1, 2
-          call add(scene, scene%mesh%h*([i, j, k] - 0.5_wp), spread(0.0_wp, 1, 3), d, solid_density, &
-                   (1 - eps)*scene%mesh%volume/(pi/6*d**3))
+          call add(scene, scene%mesh%finest*([i, j, k] - 0.5_wp), spread(0.0_wp, 1, 3), d, solid_density, &
+                   (1 - eps)*product(scene%mesh%finest)/(pi/6*d**3))
         end do
       end do
     end do

@@ -7,6 +7,7 @@ module vortex_flow
   use constants, only: pi
   use gas, only: gas_t
   use gas_cases, only: scene_t, make_gas, steps
+  use grid_axis, only: axis_t, graded_axis, uniform_axis
   use kinds, only: wp
   use outcome, only: outcome_t
   implicit none
@@ -18,7 +19,7 @@ module vortex_flow
 contains
 
   !> After `count` steps to `end_time` on n by n cells.
-  subroutine decay(comm, n, limiter, end_time, count, shape_error, amplitude, iterations)
+  subroutine decay(comm, n, limiter, end_time, count, shape_error, amplitude, iterations, wave)
     type(communicator_t), intent(in) :: comm
     integer, intent(in) :: n, count
     character(len=*), intent(in) :: limiter
@@ -26,6 +27,7 @@ contains
     real(wp), intent(out) :: shape_error       !< root mean square from the vortices that Euler's steps have, over U
     real(wp), intent(out) :: amplitude(2)      !< a, of the flow computed and of the exact one
     integer, intent(out) :: iterations         !< SIMPLE iterations of the last step; 0 if a step did not converge
+    real(wp), intent(in), optional :: wave     !< cells of both directions as wide as 1 + wave cos(k s) at s n
 
     type(scene_t) :: scene
     type(gas_t) :: gas
@@ -42,6 +44,7 @@ contains
     scene%numerics%velocity_tolerance = 1.0e-9_wp
     scene%numerics%maximum_iterations = 100
     allocate (scene%records(0))
+    if (present(wave)) scene%axis = [wavy_axis(n, wave), wavy_axis(n, wave), uniform_axis(0.0_wp, 1.0_wp, 1, .true.)]
     call make_gas(comm, scene, gas, outcome)
     call set_vortices(gas, start)
     dt = end_time/count
@@ -57,22 +60,33 @@ contains
     call gas%destroy()
   end subroutine decay
 
+  !> Faces at x = s + wave sin(k s)/k, s = i/n.
+  pure function wavy_axis(n, wave) result(axis)
+    integer, intent(in) :: n
+    real(wp), intent(in) :: wave
+    type(axis_t) :: axis
+
+    integer :: i
+
+    axis = graded_axis([((real(i, wp)/n + wave*sin(k*i/n)/k), i=0, n - 1), 1.0_wp], .true.)
+  end function wavy_axis
+
   !> Initial velocities, and the same without halos.
   subroutine set_vortices(gas, start)
     type(gas_t), intent(inout) :: gas
     real(wp), allocatable, intent(out) :: start(:,:,:)  !< (n1,n2,2) [m/s]
 
     integer :: i, j
-    real(wp) :: x(2), h
+    real(wp) :: face(3), centre(3)
 
-    h = gas%mesh%h(1)
     associate (m => gas%boxes%n)
       allocate (start(m(1), m(2), 2))
       do j = 1, m(2)
         do i = 1, m(1)
-          x = (gas%boxes%lo(1:2) + [i, j] - 1)*h   ! upper corner of the cell
-          start(i, j, 1) = speed*sin(k*x(1))*cos(k*(x(2) - h/2))
-          start(i, j, 2) = -speed*cos(k*(x(1) - h/2))*sin(k*x(2))
+          face = gas%mesh%in_metres(real(gas%boxes%lo + [i, j, 1] - 1, wp))  ! upper corner of the cell
+          centre = gas%mesh%in_metres(gas%boxes%lo + [i, j, 1] - 1.5_wp)
+          start(i, j, 1) = speed*sin(k*face(1))*cos(k*centre(2))
+          start(i, j, 2) = -speed*cos(k*centre(1))*sin(k*face(2))
         end do
       end do
       gas%velocity(1:m(1), 1:m(2), 1, 1:2) = start
