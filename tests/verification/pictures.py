@@ -91,6 +91,22 @@ def order(rows, curves):
     return figure
 
 
+def manufactured(rows, curves):
+    figure, axes = plt.subplots(1, 2, figsize=(6.4, 2.6), sharey=True)
+    for axis, what in zip(axes, ("velocity", "pressure"), strict=True):
+        for name, mark, label in (("flat", "o", "flat"), ("flat_graded", "s", "flat, graded"),
+                                  ("flat_van_leer", "^", "flat, van Leer"), ("solid", "d", "three dimensions")):
+            x, error, slope = series(curves, f"manufactured_{name}_{what}")
+            axis.loglog(x, error, mark, ms=4, mfc="none", color=OURS, label=label)
+            axis.loglog(x, slope, color=EXACT, lw=0.7, label="second order" if name == "solid" else None)
+        axis.set_xticks([1 / 64, 1 / 32, 1 / 16, 1 / 8], ["1/64", "1/32", "1/16", "1/8"])
+        axis.minorticks_off()
+        axis.set(xlabel="edge of a cell [m]", title=what)
+    axes[0].set_ylabel("error, root mean square")
+    axes[0].legend(fontsize=7)
+    return figure
+
+
 def cooling(rows, curves):
     figure, axes = plt.subplots(1, 2, figsize=(6.4, 2.5))
     for axis, e in zip(axes, ("0.90", "0.95"), strict=True):
@@ -164,7 +180,7 @@ def draw(rows, curves, folder):
     """All pictures; their paths. The same rows and curves give the same bytes."""
     folder.mkdir(exist_ok=True)
     with plt.rc_context(STYLE):
-        for make in (errors, fall, squeezed, oblique, chung_ooi, order, cavity, cooling, shear, crossing):
+        for make in (errors, fall, squeezed, oblique, chung_ooi, order, manufactured, cavity, cooling, shear, crossing):
             path = folder / f"{make.__name__}.png"
             figure = make(rows, curves)
             figure.savefig(path, metadata={"Software": None})
