@@ -71,7 +71,7 @@ contains
     real(wp), allocatable :: corners(:,:,:)
     integer :: a
 
-    corners = regions(rank)
+    allocate (corners, source=regions(rank))
     do a = 1, 3
       corners(a, 1, :) = n(a)*corners(a, 1, :) - 0.1_wp
       corners(a, 2, :) = n(a)*corners(a, 2, :) + 0.1_wp
