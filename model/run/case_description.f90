@@ -154,7 +154,7 @@ contains
       if (coupling%mapping == 'cell') text = 'the cell it is in'
       if (is_set(coupling%width)) then
         text = text//', spread by '//shown(coupling%width)//' m (standard deviation)'
-        coarse = mapping_variance(coupling%mapping)*((domain%upper - domain%lower)/domain%cells)**2 >= coupling%width**2
+        coarse = mapping_variance(coupling%mapping)*domain%axis%finest**2 >= coupling%width**2
         coarse = coarse .and. domain%cells > 1
         if (any(coarse)) text = text//', in '//axes(coarse)//' the cells alone do that or more'
       end if

@@ -290,7 +290,7 @@ contains
 
     wide = share
     if (size(share) == 1) return
-    h = mesh%h(a)
+    h = mesh%finest(a)
     mapped = merge(1.0_wp/12, 1.0_wp/6, settings%mapping == 'cell')
     reach = kernel_reach(h, settings%width)
     wide = 0.0_wp

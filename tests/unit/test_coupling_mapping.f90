@@ -74,7 +74,8 @@ contains
     call deposit(window, at, part, spread((upper(2) - lower(2))/many, 1, many), field)
     associate (width => mesh%axis(2)%width)
       do i = 2, 5
-        call expect_close(field(1 + window%n(1)*(i - 1))/width(i), 1 + (1/1.2_wp - 2 + 1.2_wp)/8, 1.0e-3_wp, 'solids of a graded cell')
+        call expect_close(field(1 + window%n(1)*(i - 1))/width(i), 1 + (1/1.2_wp - 2 + 1.2_wp)/8, 1.0e-3_wp, &
+                          'solids of a graded cell')
       end do
     end associate
   end subroutine check_even_solids

@@ -5,7 +5,7 @@ program test_spreading
   use communicator, only: communicator_t, start_ranks, stop_ranks
   use diffusion_kernel, only: kernel_row, kernel_reach
   use kinds, only: wp
-  use mesh, only: mesh_t, new_mesh
+  use mesh, only: mesh_t, new_uniform_mesh
   use outcome, only: outcome_t
   use spreading, only: spreading_t
   implicit none
@@ -118,7 +118,7 @@ contains
     real(wp), dimension(components, n(1), n(2), n(3)) :: amount, field, given, taken, direct
     integer :: a
 
-    mesh = new_mesh([0.0_wp, 0.0_wp, 0.0_wp], [1.0_wp, 2.0_wp, 1.5_wp], n, periodic)
+    mesh = new_uniform_mesh([0.0_wp, 0.0_wp, 0.0_wp], [1.0_wp, 2.0_wp, 1.5_wp], n, periodic)
     call new_boxes(comm, n, periodic, boxes, outcome)
     if (outcome%failed()) error stop 'test_spreading: no boxes'
     call spreading%create(boxes, mesh, width, mapped, components)
@@ -178,7 +178,7 @@ contains
     if (mesh%n(a) == 1) return
     before = field
     field = 0.0_wp
-    h = mesh%h(a)
+    h = mesh%finest(a)
     reach = kernel_reach(h, width)
     allocate (row(-reach:reach))
     do i = 1, mesh%n(a)

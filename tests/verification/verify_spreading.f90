@@ -48,11 +48,12 @@ contains
     volume = pi/6*1.0e-9_wp
     total = 0.0_wp
     do i = 1, places
-      y = 0.1_wp + (i - 0.5_wp)/places*scene%mesh%h(2)
+      y = 0.1_wp + (i - 0.5_wp)/places*scene%mesh%finest(2)
       scene%parcels%state(2, 1) = y
       call scene%coupling%map_void_fraction(scene%parcels, scene%gas)
       do j = 1, 40
-        total = total + sum(1 - scene%gas%eps(1:20, j, 1:20))*scene%mesh%volume/volume*((j - 0.5_wp)*scene%mesh%h(2) - y)**2
+        total = total + sum(1 - scene%gas%eps(1:20, j, 1:20))*product(scene%mesh%finest)/volume &
+          *((j - 0.5_wp)*scene%mesh%finest(2) - y)**2
       end do
     end do
     call scene%gas%destroy()
@@ -106,7 +107,7 @@ contains
     call refill(scene, records)
     call recouple(scene, settings)
     call add(scene, [0.008_wp, 0.022_wp, 0.008_wp], spread(0.0_wp, 1, 3), 5.0e-4_wp, 2500.0_wp, &
-             0.2_wp*scene%mesh%volume*6/(pi*5.0e-4_wp**3))
+             0.2_wp*product(scene%mesh%finest)*6/(pi*5.0e-4_wp**3))
   end subroutine make_column
 
   !> The pressure drop while the sheet sinks through some cells; the first, to forget the start, has numbers below 1.
@@ -119,7 +120,7 @@ contains
     logical :: converged
     integer :: i
 
-    dt = scene%mesh%h(2)/(per_cell*speed)
+    dt = scene%mesh%finest(2)/(per_cell*speed)
     do i = lbound(drop, 1), ubound(drop, 1)
       scene%parcels%state(velocity_row:velocity_row + 2, 1) = [0.0_wp, -speed, 0.0_wp]
       call scene%coupling%map_void_fraction(scene%parcels, scene%gas)
