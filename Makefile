@@ -131,8 +131,9 @@ verify: venv
 verify_programs: $(VERIFY)
 
 bench: venv
-	@$(MAKE) --no-print-directory -s bench_programs
+	@$(MAKE) --no-print-directory -s build bench_programs
 	@$(VENV)/bin/python tests/bench/run.py $(B) build/bench.json
+	@$(VENV)/bin/python tests/bench/bed.py build/bench.json
 
 bench-peers: venv
 	@$(MAKE) --no-print-directory -s bench_programs

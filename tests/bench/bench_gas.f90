@@ -1,5 +1,8 @@
-!> Cost of the gas on a bed-like void fraction and drag that change from step to step.
-!> usage: bench_gas nx ny nz [steps] [tolerance]
+!> Cost of the gas on a bed-like void fraction and drag that change from step to step, in the vessel of cases/geldart_b_bed and
+!> in larger ones of the same shape and the same cells.
+!>
+!> usage: bench_gas FOLDER [nx ny nz steps]     without numbers four grids; FOLDER is not used
+! ranks: 1 2
 program bench_gas
   use boundary_settings, only: boundary_settings_t
   use boxes, only: boxes_t, new_boxes
@@ -13,86 +16,108 @@ program bench_gas
   implicit none
 
   real(wp), parameter :: edge = 4.0e-3_wp, dt = 1.0e-3_wp, speed = 0.45_wp
+  integer, parameter :: warm = 2  !< first steps, which do not count
   type(communicator_t) :: comm
-  type(boxes_t) :: boxes
-  type(mesh_t) :: mesh
-  type(gas_t) :: gas
-  type(gas_settings_t) :: settings
-  type(gas_numerics_t) :: numerics
-  type(boundary_settings_t) :: records(2)
-  type(outcome_t) :: outcome
-  integer :: cells(3), steps, step, iterations, pressure_iterations, sweeps
-  real(wp) :: from, to, seconds, worst
-  logical :: converged
 
   call start_ranks(comm)
-  cells = [argument(1, 16), argument(2, 120), argument(3, 4)]
-  steps = argument(4, 50)
-  mesh = new_uniform_mesh([0.0_wp, 0.0_wp, 0.0_wp], edge*cells, cells, [.false., .false., .false.])
-  call new_boxes(comm, cells, mesh%periodic, boxes, outcome)
-  records(1)%id = 'bottom'
-  records(1)%lower = 0.0_wp
-  records(1)%upper = [mesh%upper(1), 0.0_wp, mesh%upper(3)]
-  records(1)%kind = 'inflow'
-  records(1)%velocity = speed
-  records(2)%id = 'top'
-  records(2)%lower = [0.0_wp, mesh%upper(2), 0.0_wp]
-  records(2)%upper = mesh%upper
-  records(2)%kind = 'outflow'
-  settings%velocity = [0.0_wp, speed, 0.0_wp]
-  call new_gas(boxes, mesh, settings, records, numerics, gas, outcome)
-  gas%gravity = [0.0_wp, -9.81_wp, 0.0_wp]
-  call set_bed(gas, 0)
-  call gas%accept()
-  iterations = 0
-  pressure_iterations = 0
-  sweeps = 0
-  seconds = 0.0_wp
-  worst = 0.0_wp
-  do step = 1, steps
-    call set_bed(gas, step)
-    call comm%barrier()
-    call cpu_time(from)  ! processor time: other programs on the machine do not count
-    call gas%advance(dt, converged)
-    call gas%accept()
-    call cpu_time(to)
-    associate (r => gas%report)
-      if (comm%is_root() .and. (.not. converged .or. step <= 5 .or. modulo(step, 10) == 0)) then
-        print '(i5,l2,3i5,5es10.2)', step, converged, r%iterations, r%sweeps, r%pressure_iterations, r%mass_imbalance, &
-          r%mass_residual, r%momentum_residual, r%courant, to - from
-      end if
-      if (step <= 2) cycle
-      seconds = seconds + to - from
-      iterations = iterations + r%iterations
-      pressure_iterations = pressure_iterations + r%pressure_iterations
-      sweeps = sweeps + r%sweeps
-      worst = max(worst, r%mass_imbalance)
-    end associate
-  end do
-  if (comm%is_root()) then
-    print '(a,f8.3,a,f7.2,a,f7.2,a,f7.2,a,f9.3,a,es9.2)', 'us per cell and iteration ', &
-      1.0e6_wp*seconds/(iterations*product(real(cells, wp))), '  iterations per step ', iterations/real(steps - 2, wp), &
-      '  sweeps ', sweeps/real(steps - 2, wp), '  pressure ', pressure_iterations/real(steps - 2, wp), &
-      '  ms per step ', 1.0e3_wp*seconds/(steps - 2), '  worst imbalance ', worst
-    print '(a,es12.4,a)', 'bench gas_cell_iteration ', 1.0e6_wp*seconds/(iterations*product(real(cells, wp))), ' us'
-    print '(a,es12.4,a)', 'bench gas_step ', 1.0e3_wp*seconds/(steps - 2), ' ms'
-    print '(a,es12.4,a)', 'bench gas_iterations ', iterations/real(steps - 2, wp), ' 1'
+  if (command_argument_count() > 4) then
+    call measure([number(2), number(3), number(4)], number(5))
+  else
+    call measure([16, 120, 4], 100)
+    call measure([32, 240, 8], 20)
+    call measure([64, 480, 16], 8)
+    call measure([80, 600, 20], 5)
   end if
-  call gas%destroy()
   call stop_ranks()
 
 contains
 
-  integer function argument(place, usual)
-    integer, intent(in) :: place, usual
+  integer function number(place)
+    integer, intent(in) :: place
 
     character(len=16) :: word
 
-    argument = usual
-    if (command_argument_count() < place) return
     call get_command_argument(place, word)
-    read (word, *) argument
-  end function argument
+    read (word, *) number
+  end function number
+
+  !> So many steps on a grid, after two that do not count.
+  subroutine measure(cells, steps)
+    integer, intent(in) :: cells(3), steps
+
+    type(gas_t) :: gas
+    integer :: step
+    real(wp) :: from, to, seconds, counts(3), worst
+    logical :: converged
+    character(len=16) :: size
+
+    call make(cells, gas)
+    seconds = 0.0_wp
+    counts = 0.0_wp
+    worst = 0.0_wp
+    do step = 1, steps + warm
+      call set_bed(gas, step)
+      call comm%barrier()
+      call cpu_time(from)  ! processor time: other programs on the machine do not count
+      call gas%advance(dt, converged)
+      call gas%accept()
+      call cpu_time(to)
+      if (.not. converged) print '(a,i0)', 'bench_gas: no convergence in step ', step
+      if (step <= warm) cycle
+      seconds = seconds + to - from
+      associate (r => gas%report)
+        counts = counts + [r%iterations, r%sweeps, r%pressure_iterations]
+        worst = max(worst, r%mass_imbalance)
+      end associate
+    end do
+    seconds = comm%max(seconds)
+    call gas%destroy()
+    if (.not. comm%is_root()) return
+    write (size, '(i0)') product(cells)
+    print '(a,3(i0,1x),a,es9.2)', 'grid ', cells, ' worst imbalance ', worst
+    call tell('iteration_'//size, 1.0e6_wp*seconds/(counts(1)*product(real(cells, wp))), 'us/cell')
+    call tell('step_'//size, 1.0e3_wp*seconds/steps, 'ms')
+    call tell('iterations_'//size, counts(1)/steps, '1')
+    call tell('sweeps_'//size, counts(2)/steps, '1')
+    call tell('pressure_'//size, counts(3)/counts(1), '1')
+  end subroutine measure
+
+  subroutine tell(what, value, unit)
+    character(len=*), intent(in) :: what, unit
+    real(wp), intent(in) :: value
+
+    print '(3a,es12.4,2a)', 'bench gas_', trim(what), ' ', value, ' ', unit
+  end subroutine tell
+
+  subroutine make(cells, gas)
+    integer, intent(in) :: cells(3)
+    type(gas_t), intent(out) :: gas
+
+    type(boxes_t) :: boxes
+    type(mesh_t) :: mesh
+    type(gas_settings_t) :: settings
+    type(gas_numerics_t) :: numerics
+    type(boundary_settings_t) :: records(2)
+    type(outcome_t) :: outcome
+
+    mesh = new_uniform_mesh([0.0_wp, 0.0_wp, 0.0_wp], edge*cells, cells, [.false., .false., .false.])
+    call new_boxes(comm, cells, mesh%periodic, boxes, outcome)
+    records(1)%id = 'bottom'
+    records(1)%lower = 0.0_wp
+    records(1)%upper = [mesh%upper(1), 0.0_wp, mesh%upper(3)]
+    records(1)%kind = 'inflow'
+    records(1)%velocity = speed
+    records(2)%id = 'top'
+    records(2)%lower = [0.0_wp, mesh%upper(2), 0.0_wp]
+    records(2)%upper = mesh%upper
+    records(2)%kind = 'outflow'
+    settings%velocity = [0.0_wp, speed, 0.0_wp]
+    call new_gas(boxes, mesh, settings, records, numerics, gas, outcome)
+    if (outcome%failed()) error stop 'bench_gas: the gas cannot be made'
+    gas%gravity = [0.0_wp, -9.81_wp, 0.0_wp]
+    call set_bed(gas, 0)
+    call gas%accept()
+  end subroutine make
 
   !> A bed up to half of the height with bubbles that rise at 0.3 m/s and noise of its own in every cell and step.
   subroutine set_bed(gas, step)
@@ -102,8 +127,8 @@ contains
     integer :: i, j, k, bubble
     real(wp) :: x(3), centre(3), eps, noise, height, solids
 
-    height = 0.5_wp*(mesh%upper(2) - mesh%lower(2))
-    associate (lo => boxes%lo, n => boxes%n)
+    height = 0.5_wp*(gas%mesh%upper(2) - gas%mesh%lower(2))
+    associate (lo => gas%boxes%lo, n => gas%boxes%n, mesh => gas%mesh)
       do k = 1, n(3)
         do j = 1, n(2)
           do i = 1, n(1)
