@@ -10,6 +10,7 @@ module case_description
   use parcel_plan, only: parcel_plan_t, new_parcel_plan, shortest_contact
   use described_line, only: line
   use surface, only: surface_t
+  use step_control, only: step_limits_of
   use text, only: brief, shown
   implicit none
   private
@@ -56,8 +57,14 @@ contains
       if (case%gas%flow_given) call line(unit, '', 'driven by the pressure drop that keeps a mass flow of ' &
                                          //shown(case%gas%mass_flow)//' kg/s')
       steps = case%run%end_time/step
-      call line(unit, 'gas steps', brief(steps)//' of '//shown(step)//' s, as given; halved up to ' &
-                //shown(case%gas_numerics%maximum_halvings)//' times where one does not converge')
+      associate (limits => step_limits_of(case%gas_numerics))
+        call line(unit, 'gas steps', brief(steps)//' of '//shown(step)//' s, as given; halved up to ' &
+                  //shown(limits%deepest)//' times where one does not converge')
+        if (is_set(limits%maximum_courant)) call line(unit, '', 'or where the Courant number would be above ' &
+                                                      //shown(limits%maximum_courant))
+        if (limits%target_iterations > 0) call line(unit, '', 'or after one of more than ' &
+                                                    //shown(limits%target_iterations)//' iterations')
+      end associate
     end associate
   end subroutine describe_gas
 

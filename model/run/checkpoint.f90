@@ -110,7 +110,7 @@ contains
 
     scene%time = clock(1)
     scene%steps = nint(clock(2), i8)
-    scene%halvings = min(nint(clock(3)), scene%maximum_halvings)
+    scene%halvings = min(nint(clock(3)), scene%limits%deepest)
     scene%good_steps = nint(clock(4))
     scene%unseen = clock(5)
     scene%begun = clock(6) > 0.5_wp

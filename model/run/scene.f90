@@ -2,7 +2,7 @@
 !>
 !> A gas step from t to t + dt:
 !>   1. the void fraction and the drag of the parcels where they are, for a step of dt;
-!>   2. the gas, implicitly, until it converges: otherwise again from the same state with half the step;
+!>   2. the gas, implicitly, until it converges: otherwise again from the same state with half the step (step_control);
 !>   3. the force of the gas on the parcels, exactly what the gas has felt, constant over the step;
 !>   4. the parcels, in as many equal solids steps as their shortest collision or their speed ask for.
 !> So the gas sees the void fraction change one step after the parcels have moved. Where the step becomes shorter
@@ -19,6 +19,7 @@ module scene
   use mesh, only: mesh_t, new_mesh, new_uniform_mesh
   use outcome, only: outcome_t, exit_failed
   use solids, only: solids_t
+  use step_control, only: step_limits_t, step_taken_t, step_limits_of, plan_step
   use text, only: brief, shown
   use timing, only: stopwatch_t
   implicit none
@@ -29,7 +30,6 @@ module scene
   character(len=8), parameter :: parts(4) = ['coupling', 'gas     ', 'parcels ', 'output  ']
 
   real(wp), parameter :: round_off = 1.0e-6_wp  !< by which the last step may be too long, relative
-  integer, parameter :: patience = 10  !< steps that converge before a halved step is doubled again
 
   !> What the last step was like.
   type :: step_report_t
@@ -41,8 +41,7 @@ module scene
   type :: scene_t
     type(communicator_t) :: comm
     logical :: with_gas = .false., with_parcels = .false.
-    integer :: maximum_halvings = 0
-    real(wp) :: longest_step = 0        !< of the gas [s]
+    type(step_limits_t) :: limits       !< of the gas step
     type(mesh_t) :: mesh                !< of the gas; without one, of regions in which parcels are looked at
     type(boxes_t) :: boxes              !< with a gas; so is the gas itself
     type(gas_t) :: gas
@@ -50,8 +49,8 @@ module scene
     type(coupling_t) :: coupling        !< with both
     real(wp) :: time = 0                !< [s]
     integer(i8) :: steps = 0            !< of the gas, since the start of the run
-    integer :: halvings = 0             !< the next step is longest_step/2**halvings
-    integer :: good_steps = 0           !< without a retry, in a row
+    integer :: halvings = 0             !< the next step is limits%longest/2**halvings
+    integer :: good_steps = 0           !< without a retry, in a row: see step_control
     real(wp) :: unseen = 0              !< time the parcels have moved without the gas seeing it [s]
     logical :: begun = .false.          !< whether the gas has met the parcels
     logical :: astray = .false.         !< whether a step has failed after the parcels had begun to move
@@ -77,8 +76,7 @@ contains
     self%comm = comm
     self%with_gas = case%with_gas
     self%with_parcels = case%with_parcels
-    self%longest_step = case%gas_numerics%time_step
-    self%maximum_halvings = case%gas_numerics%maximum_halvings
+    self%limits = step_limits_of(case%gas_numerics)
     call self%watch%start(parts)
     if (self%with_gas) call create_gas(self, case, outcome)
     if (outcome%failed()) return
@@ -131,7 +129,7 @@ contains
     class(scene_t), intent(in) :: self
     real(wp) :: dt
 
-    dt = self%longest_step/2**self%halvings
+    dt = self%limits%longest/2**self%halvings
   end function next_step
 
   !> Show the gas the parcels that have been put in, so that what is written before the first step has their void fraction.
@@ -176,7 +174,7 @@ contains
       call self%gas%advance(self%report%dt, converged)
       call self%watch%leave()
       if (converged) exit
-      if (self%halvings == self%maximum_halvings) then
+      if (self%halvings >= self%limits%deepest) then
         call outcome%fail(exit_failed, no_convergence(self))
         return
       end if
@@ -187,7 +185,8 @@ contains
     end do
     call self%gas%accept()
     self%unseen = (1 - share)*self%unseen
-    call lengthen(self)
+    call plan_step(self%limits, step_taken_t(self%time + self%report%dt, self%report%dt, self%report%retries, &
+                                             self%gas%report%iterations, self%gas%report%courant), self%halvings, self%good_steps)
     if (.not. self%with_parcels) return
     self%unseen = self%unseen + self%report%dt
     call self%watch%enter(part_coupling)
@@ -234,17 +233,6 @@ contains
     call self%coupling%prepare(self%solids%parcels, self%gas, self%report%dt)
     call self%watch%leave()
   end subroutine prepare
-
-  !> After enough good steps, back towards the step asked for.
-  subroutine lengthen(self)
-    class(scene_t), intent(inout) :: self
-
-    if (self%report%retries > 0) return
-    self%good_steps = self%good_steps + 1
-    if (self%good_steps < patience .or. self%halvings == 0) return
-    self%halvings = self%halvings - 1
-    self%good_steps = 0
-  end subroutine lengthen
 
   !> The parcels over the gas step.
   subroutine advance_parcels(self, outcome)

@@ -273,7 +273,7 @@ contains
     end if
     if (self%scene%with_parcels) call self%progress%say( &
       'solids step at most '//brief(self%scene%solids%time_step_limit())//' s, gas step at most ' &
-      //brief(self%scene%longest_step)//' s')
+      //brief(self%scene%limits%longest)//' s')
   end subroutine introduce
 
   !> Books and bill.
