@@ -30,15 +30,14 @@ contains
     type(keys_t), intent(inout) :: keys
 
     call keys%get('time_step', settings%time_step, &
-                  'step of the gas, and of the output, the longest if it adapts (DT_MAX, maxDeltaT elsewhere); steps of '// &
-                  'the parcels divide it [s]', '(0, inf)')
+                  'step of the gas, the longest where it adapts (MFIX: DT_MAX, OpenFOAM: maxDeltaT), and of the output; '// &
+                  'steps of the parcels divide it [s]', '(0, inf)')
     call keys%get('minimum_time_step', settings%minimum_time_step, 'instead of maximum_halvings: the gas step is '// &
-                  'time_step/2**n, and never shorter than this (DT_MIN elsewhere) [s]', '(0, inf)')
-    call keys%get('maximum_courant', settings%maximum_courant, 'the next gas step is short enough that the largest '// &
-                  '|u| dt/h stays below this (adjustTimeStep with maxCo elsewhere); not given: any [-]', '(0, inf)')
-    call keys%get('target_iterations', settings%target_iterations, 'a gas step that needs more SIMPLE iterations is '// &
-                  'followed by one of half the length, ten that need no more by one of twice (DT_FAC elsewhere, here 2); 0: any', &
-                  '[0, 10000]')
+                  'time_step/2**n, and never shorter than this (MFIX: DT_MIN) [s]', '(0, inf)')
+    call keys%get('maximum_courant', settings%maximum_courant, 'the next gas step is such that the largest Courant '// &
+                  'number of the gas stays below this (OpenFOAM: adjustTimeStep, maxCo); not given: any [-]', '(0, inf)')
+    call keys%get('target_iterations', settings%target_iterations, 'after a gas step of more SIMPLE iterations the next '// &
+                  'has half its length, after ten of no more twice (MFIX: DT_FAC, here 2); 0: any number', '[0, 10000]')
     call keys%get('tolerance', settings%tolerance, 'gas mass imbalance of a step over its inflow [-]', '(0, 0.1]')
     call keys%get('velocity_tolerance', settings%velocity_tolerance, &
                   'sum of the momentum imbalances of a gas step over that of the forces [-]', '(0, 0.1]')

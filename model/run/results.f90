@@ -95,7 +95,7 @@ contains
 
     integer :: i
 
-    columns = [column_t('gas_step', 's', 'length of the last gas step'), &
+    columns = [column_t('gas_step', 's', 'length of the last gas step, time_step/2**n'), &
                column_t('wall_time', 's', 'since the start of this program, of the first rank'), &
                (column_t('wall_time_'//parts(i), 's', 'of that in this part'), i=1, size(parts)), &
                column_t('wall_time_other', 's', 'of that in all the rest')]
