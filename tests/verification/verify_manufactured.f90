@@ -113,18 +113,14 @@ contains
     type(gas_t), intent(inout) :: gas
 
     integer :: i, j, k, a
-    real(wp) :: x(4)
 
     do k = 1, gas%boxes%n(3)
       do j = 1, gas%boxes%n(2)
         do i = 1, gas%boxes%n(1)
           do a = 1, 3
-            x = [gas%mesh%in_metres([i, j, k] - 0.5_wp), 0.0_wp]
-            x(a) = gas%mesh%axis(a)%in_metres(real(merge(i, merge(j, k, a == 2), a == 1), wp))
-            gas%velocity(i, j, k, a) = flow%field(a, x)
+            gas%velocity(i, j, k, a) = flow%field(a, place(gas, [i, j, k], 0.0_wp, a))
           end do
-          x = [gas%mesh%in_metres([i, j, k] - 0.5_wp), 0.0_wp]
-          gas%pressure(i, j, k) = flow%field(pressure, x)
+          gas%pressure(i, j, k) = flow%field(pressure, place(gas, [i, j, k], 0.0_wp))
         end do
       end do
     end do
@@ -146,7 +142,7 @@ contains
     do k = 1, gas%boxes%n(3)
       do j = 1, gas%boxes%n(2)
         do i = 1, gas%boxes%n(1)
-          x = [gas%mesh%in_metres([i, j, k] - 0.5_wp), time]
+          x = place(gas, [i, j, k], time)
           gas%eps(i, j, k) = flow%field(void, x)
           gas%drag(i, j, k) = gas%volume(i, j, k)*flow%drag(x)
           do a = 1, 3
@@ -163,6 +159,21 @@ contains
     end associate
   end subroutine set_inputs
 
+  !> The centre of a cell, or of its upper face across a, at a time.
+  pure function place(gas, cell, time, a) result(x)
+    type(gas_t), intent(in) :: gas
+    integer, intent(in) :: cell(3)
+    real(wp), intent(in) :: time  !< [s]
+    integer, intent(in), optional :: a
+    real(wp) :: x(4)
+
+    real(wp) :: s(3)
+
+    s = cell - 0.5_wp
+    if (present(a)) s(a) = cell(a)
+    x = [gas%mesh%in_metres(s), time]
+  end function place
+
   !> Root mean square errors of velocity and pressure, whose level is free.
   function errors(flow, gas) result(error)
     type(flow_t), intent(in) :: flow
@@ -170,7 +181,7 @@ contains
     real(wp) :: error(2)
 
     integer :: i, j, k, a
-    real(wp) :: x(4), off, level, cells
+    real(wp) :: off, level, cells
 
     error = 0.0_wp
     level = 0.0_wp
@@ -178,14 +189,12 @@ contains
     do k = 1, gas%boxes%n(3)
       do j = 1, gas%boxes%n(2)
         do i = 1, gas%boxes%n(1)
-          x = [gas%mesh%in_metres([i, j, k] - 0.5_wp), end_time]
-          off = gas%pressure(i, j, k) - flow%field(pressure, x)
+          off = gas%pressure(i, j, k) - flow%field(pressure, place(gas, [i, j, k], end_time))
           level = level + off/cells
           error(2) = error(2) + off**2/cells
           do a = 1, 3
-            x = [gas%mesh%in_metres([i, j, k] - 0.5_wp), end_time]
-            x(a) = gas%mesh%axis(a)%in_metres(real(merge(i, merge(j, k, a == 2), a == 1), wp))
-            error(1) = error(1) + (gas%velocity(i, j, k, a) - flow%field(a, x))**2/cells
+            off = gas%velocity(i, j, k, a) - flow%field(a, place(gas, [i, j, k], end_time, a))
+            error(1) = error(1) + off**2/cells
           end do
         end do
       end do
