@@ -15,6 +15,7 @@ program test_coupling_mapping
   logical :: graded
   type(mesh_t) :: mesh
 
+  graded = .false.
   call check_known_place()
   do grid = 1, 2
     graded = grid == 2
