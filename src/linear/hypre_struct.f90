@@ -328,12 +328,21 @@ contains
 
     if (.not. c_associated(self%grid)) return
     call drop_solver(self)
-    error = vector_destroy(self%solution)
-    error = vector_destroy(self%rhs)
+    call destroy_vector(self%solution)
+    call destroy_vector(self%rhs)
     error = matrix_destroy(self%matrix)
     error = stencil_destroy(self%stencil)
     error = grid_destroy(self%grid)
     self%grid = c_null_ptr
   end subroutine destroy
+
+  !> On its own: in the second call within one procedure gfortran 12 hands over the address of the handle, not its value.
+  subroutine destroy_vector(vector)
+    type(c_ptr), intent(in) :: vector
+
+    integer(c_int) :: error
+
+    error = vector_destroy(vector)
+  end subroutine destroy_vector
 
 end module hypre_struct
