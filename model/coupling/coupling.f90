@@ -11,6 +11,8 @@
 !> D = beta_eff (u' - v_hat), u' the gas velocity at the end of the step. So the gas gets sum w_c W beta_eff and
 !> sum w_c W beta_eff v_hat, and once it has converged the parcels get D, with the same weights: what the gas takes is
 !> what the parcels give, to round-off.
+!>
+!> Where walls block the gas a cell counts, and is as large, as it is open: see open_weights.
 module coupling
   use boxes, only: boxes_t
   use communicator, only: communicator_t
@@ -23,6 +25,8 @@ module coupling
   use local_sizes, only: local_sizes_t
   use mapping, only: locate, interpolate, deposit, deposit_sources, lanes, source_lanes, mapping_variance
   use mesh, only: mesh_t
+  use open_space, only: open_space_t
+  use open_weights, only: open_weights_t
   use parcels, only: parcels_t, velocity_row, mass_row, drive_row, drag_row, before_row
   use tiles, only: tiles_t
   use spreading, only: spreading_t
@@ -71,7 +75,8 @@ module coupling
     real(wp), allocatable :: box_vector(:,:,:,:)  !< (3,n1,n2,n3)
     real(wp), allocatable :: box_source(:,:,:,:)  !< (source_lanes,n1,n2,n3) what parcels add to
     real(wp), allocatable :: box_volume(:,:,:)   !< (n1,n2,n3) solids [m3]
-    real(wp), allocatable :: cell_volume(:,:,:)  !< (n1,n2,n3) of the cells of my box [m3]
+    real(wp), allocatable :: cell_volume(:,:,:)  !< (n1,n2,n3) of the cells of my box, of closed ones all of it [m3]
+    type(open_weights_t), allocatable :: weights  !< exist if walls block the gas
     real(wp), allocatable :: field(:,:)          !< (lanes,window cells)
     real(wp), allocatable :: source(:,:)         !< (source_lanes,window cells)
     real(wp), allocatable :: volume(:)           !< (window cells) [m3]
@@ -81,6 +86,7 @@ module coupling
     real(wp), allocatable :: response(:,:)       !< (4,n) v_hat [m/s] and beta_eff [kg/s] of each real particle
   contains
     procedure :: create
+    procedure :: narrow
     procedure :: follow_tiles
     procedure :: map_void_fraction
     procedure :: prepare
@@ -121,6 +127,16 @@ contains
     call self%sizes%create(boxes)
   end subroutine create
 
+  !> Leave to the gas what is open.
+  subroutine narrow(self, space)
+    class(coupling_t), intent(inout) :: self
+    type(open_space_t), intent(in) :: space
+
+    allocate (self%weights)
+    call self%weights%create(self%boxes%n, space)
+    where (self%weights%open > 0.0_wp) self%cell_volume = self%weights%open*self%cell_volume
+  end subroutine narrow
+
   !> Make the window and the plan of transfer anew if the tiles have other owners than before; all ranks together,
   !> after the parcels have gone to their new owners.
   subroutine follow_tiles(self, tiles, slack)
@@ -148,6 +164,7 @@ contains
     allocate (self%source(source_lanes, self%window%cells()), source=0.0_wp)
     allocate (self%volume(self%window%cells()), source=0.0_wp)
     self%n = 0
+    if (allocated(self%weights)) call self%weights%see(self%spreading, self%transfer, self%window)
   end subroutine follow_tiles
 
   !> Give the gas the void fraction of the parcels where they now are; prepare and drive use the same places.
@@ -157,20 +174,22 @@ contains
     type(gas_t), intent(inout) :: gas
 
     integer :: outside, n(3)
-    real(wp) :: total
+    real(wp) :: total, volume(parcels%n)
 
     call reserve(self, parcels%n)
     call locate(self%mesh, self%window, parcels%state, self%corner(:self%n), self%fraction(:, :self%n), outside)
     if (outside > 0) error stop 'coupling: a parcel is nowhere, or beyond the cells around the tiles of its rank'
     if (self%cell_centred) self%fraction(:, :self%n) = anint(self%fraction(:, :self%n))
     self%volume = 0.0_wp
-    associate (volume => pi/6.0_wp*parcels%weight(:self%n)*parcels%diameter(:self%n)**3)
-      total = sum(volume)
-      call deposit(self%window, self%corner(:self%n), self%fraction(:, :self%n), volume, self%volume)
-    end associate
+    if (allocated(self%weights)) call self%weights%find_shares(self%window, self%corner(:self%n), self%fraction(:, :self%n))
+    volume = pi/6.0_wp*parcels%weight(:self%n)*parcels%diameter(:self%n)**3
+    total = sum(volume)
+    if (allocated(self%weights)) volume = volume*self%weights%share
+    call deposit(self%window, self%corner(:self%n), self%fraction(:, :self%n), volume, self%volume)
     self%box_volume = 0.0_wp
     call self%transfer%scatter_add(1, self%volume, self%box_volume)
     if (allocated(self%spreading)) call self%spreading%give(1, self%box_volume)
+    if (allocated(self%weights)) self%box_volume = self%weights%open*self%box_volume
     self%box_volume = 1.0_wp - self%box_volume/self%cell_volume
     call record_clipping(self, total)
     n = self%boxes%n
@@ -235,6 +254,7 @@ contains
     self%box_source = 0.0_wp
     call self%transfer%scatter_add(source_lanes, self%source, self%box_source)
     if (allocated(self%spreading)) call self%spreading%give(source_lanes, self%box_source)
+    if (allocated(self%weights)) call self%weights%narrow(self%box_source)
     n = self%boxes%n
     gas%drag(1:n(1), 1:n(2), 1:n(3)) = self%box_source(coefficient_lane, :, :, :)
     do a = 1, 3
@@ -255,6 +275,7 @@ contains
     self%box_field(velocity_lane:velocity_lane + 2, :, :, :) = self%box_vector
     call gas%cell_pressure_gradient(self%box_vector)
     self%box_field(gradient_lane:gradient_lane + 2, :, :, :) = self%box_vector
+    if (allocated(self%weights)) call self%weights%narrow(self%box_field)
     if (allocated(self%spreading)) call self%spreading%take(lanes, self%box_field)
     call self%transfer%gather(lanes, self%box_field, self%field)
   end subroutine sample_gas
@@ -271,7 +292,7 @@ contains
     integer :: i, k
 
     associate (corner => self%corner(first:first + n - 1), fraction => self%fraction(:, first:first + n - 1))
-      call interpolate(self%window, corner, fraction, self%field, value(:, :n))
+      call look(self, first, n, value)
       if (any(value(eps_lane, :n) < 0.999_wp*self%minimum_void_fraction)) then
         error stop 'coupling: a parcel reads cells that its rank does not hold'
       end if
@@ -286,11 +307,34 @@ contains
         self%response(1:3, k) = parcels%state(velocity_row:velocity_row + 2, k) + particles%lead(:, i)
         self%response(4, k) = particles%coefficient(i)
         source(coefficient_lane, i) = parcels%weight(k)*particles%coefficient(i)
+        if (allocated(self%weights)) then
+          if (.not. self%weights%share(k) > 0.0_wp) self%response(4, k) = 0.0_wp  ! there is no gas
+          source(coefficient_lane, i) = self%weights%share(k)*source(coefficient_lane, i)
+        end if
         source(1:3, i) = source(coefficient_lane, i)*self%response(1:3, k)
       end do
       call deposit_sources(self%window, corner, fraction, source(:, :n), self%source)
     end associate
   end subroutine respond
+
+  !> The gas at a block of parcels; without gas around nothing moves there.
+  pure subroutine look(self, first, n, value)
+    class(coupling_t), intent(in) :: self
+    integer, intent(in) :: first, n               !< parcels first to first + n - 1
+    real(wp), intent(inout) :: value(lanes, block)
+
+    integer :: i
+
+    call interpolate(self%window, self%corner(first:first + n - 1), self%fraction(:, first:first + n - 1), self%field, &
+                     value(:, :n))
+    if (.not. allocated(self%weights)) return
+    do i = 1, n
+      associate (share => self%weights%share(first + i - 1))
+        value(:, i) = share*value(:, i)
+        if (.not. share > 0.0_wp) value(eps_lane, i) = 1.0_wp
+      end associate
+    end do
+  end subroutine look
 
   !> What the real particles of a block of parcels meet. Beside drag and its pressure gradient they do what they did in
   !> the last step; those that have none fall.
@@ -358,8 +402,7 @@ contains
     real(wp) :: value(lanes, block), u(3), force(3), inverse_mass, volume_per_mass
     integer :: i, k
 
-    call interpolate(self%window, self%corner(first:first + n - 1), self%fraction(:, first:first + n - 1), &
-                     self%field, value(:, :n))
+    call look(self, first, n, value)
     do i = 1, n
       k = first + i - 1
       inverse_mass = parcels%weight(k)*parcels%state(mass_row, k)

@@ -19,7 +19,8 @@ module mapping
   use window, only: window_t
   implicit none
   private
-  public :: locate, interpolate, interpolate_sources, deposit, deposit_sources, lanes, source_lanes, mapping_variance
+  public :: locate, interpolate, interpolate_sources, interpolate_amount, deposit, deposit_sources
+  public :: lanes, source_lanes, mapping_variance
 
   integer, parameter :: lanes = 8         !< components of a field to interpolate: one line of cache
   integer, parameter :: source_lanes = 4  !< components of a source to deposit, or of what is known of sizes
@@ -138,6 +139,21 @@ contains
       value(:, i) = total
     end do
   end subroutine interpolate_sources
+
+  !> The same for a field of one component.
+  pure subroutine interpolate_amount(window, corner, fraction, field, value)
+    type(window_t), intent(in) :: window
+    integer, intent(in) :: corner(:)               !< (n)
+    real(wp), intent(in) :: fraction(:,:)          !< (3,n)
+    real(wp), intent(in) :: field(window%cells())  !< any unit
+    real(wp), intent(out) :: value(:)              !< (n)
+
+    integer :: i
+
+    do i = 1, size(corner)
+      value(i) = sum(weights(fraction(:, i))*field(corner(i) + steps(window)))
+    end do
+  end subroutine interpolate_amount
 
   !> Share an amount of each place among its cells.
   pure subroutine deposit(window, corner, fraction, amount, field)

@@ -20,6 +20,7 @@ module wall_settings
     real(wp) :: radius = unset                      !< cylinder: everywhere, cone: at `point` [m]
     real(wp) :: length = unset                      !< cylinder: along the axis from `point` [m]; unset: without ends
     character(len=word_length) :: side = 'inside'   !< cylinder without ends: where parcels are, or 'outside'
+    character(len=word_length) :: gas_side = 'both'  !< where the gas is: 'both', and passes through, 'inside' or 'outside'
     real(wp) :: end_point(3) = unset                !< cone: another point of the axis [m]
     real(wp) :: end_radius = unset                  !< cone: there [m]
     character(len=line_length) :: file = ''         !< mesh: .stl
@@ -35,6 +36,7 @@ module wall_settings
   contains
     procedure :: has_length
     procedure :: has_shape
+    procedure :: blocks_gas
     procedure :: direction
     procedure :: motion
   end type wall_settings_t
@@ -63,6 +65,8 @@ contains
                   required=cylinder .or. cone, when='for a cylinder and a cone')
     call keys%get('length', settings%length, 'cylinder: along the axis from point; without end if not given [m]', '(0, inf)')
     call keys%get('side', settings%side, 'cylinder without length: where the parcels are', 'inside | outside')
+    call keys%get('gas_side', settings%gas_side, 'where the gas is; on both sides it passes through the wall; inside '// &
+                  'of a plane is where its normal points', 'both | inside | outside')
     call keys%get('end_point', settings%end_point, 'cone: the other end of its axis [m]', required=cone, when='for a cone')
     call keys%get('end_radius', settings%end_radius, 'cone: radius at end_point [m]', '[0, inf)', required=cone, when='for a cone')
     call keys%get_path('file', settings%file, 'mesh: its triangles, .stl', must_exist=.true.)
@@ -83,6 +87,7 @@ contains
     call keys%require(.not. mesh .or. keys%given('file'), 'file', 'is missing; it is required for a mesh')
     call check_keys(settings, keys)
     if (settings%has_shape()) call check_motion(settings, keys)
+    if (settings%blocks_gas()) call check_gas_side(settings, keys)
   end subroutine declare_wall
 
   !> Each kind has its own keys, and directions have a length.
@@ -135,6 +140,22 @@ contains
     end subroutine demand_direction
   end subroutine check_keys
 
+  !> The gas is where the parcels are, and feels walls at rest only.
+  subroutine check_gas_side(settings, keys)
+    type(wall_settings_t), intent(in) :: settings
+    type(keys_t), intent(inout) :: keys
+
+    type(wall_motion_t) :: motion
+
+    motion = wall_motion_t(settings%velocity, settings%angular_velocity, [0.0_wp, 0.0_wp, 0.0_wp])
+    call keys%require(motion%is_still(), 'gas_side', 'a wall that the gas does not pass through must be at rest')
+    call keys%require(settings%kind /= 'plane' .or. settings%gas_side == 'inside', 'gas_side', &
+                      'of a plane the gas is where the parcels are: inside')
+    call keys%require(settings%kind /= 'cylinder' .or. settings%has_length() .or. settings%gas_side == settings%side, 'gas_side', &
+                      'of a cylinder without length the gas is where the parcels are: see side')
+    call keys%require(.not. settings%open, 'gas_side', 'a mesh with edges has no inside')
+  end subroutine check_gas_side
+
   !> The surface moves and the wall does not.
   subroutine check_motion(settings, keys)
     type(wall_settings_t), intent(in) :: settings
@@ -163,6 +184,14 @@ contains
                                                                    'rotation_centre', 'must lie on the axis')
     end associate
   end subroutine check_motion
+
+  !> Whether there is no gas on one side.
+  pure function blocks_gas(self)
+    class(wall_settings_t), intent(in) :: self
+    logical :: blocks_gas
+
+    blocks_gas = self%gas_side /= 'both'
+  end function blocks_gas
 
   pure function has_length(self)
     class(wall_settings_t), intent(in) :: self

@@ -11,6 +11,7 @@ module gas
   use gas_state, only: gas_state_t, gas_report_t, create_state, unit_step
   use kinds, only: wp
   use mesh, only: mesh_t
+  use open_space, only: open_space_t
   use outcome, only: outcome_t
   use simple_step, only: advance_state, restore_state
   implicit none
@@ -36,7 +37,7 @@ contains
 
   !> A gas at its initial velocity. The gravity it feels is its public component `gravity`, zero until set.
   !> Mistakes in the records that only the grid shows go into `outcome`, the same on all ranks.
-  subroutine new_gas(boxes, mesh, settings, records, numerics, gas, outcome)
+  subroutine new_gas(boxes, mesh, settings, records, numerics, gas, outcome, space)
     type(boxes_t), intent(in) :: boxes
     type(mesh_t), intent(in) :: mesh
     type(gas_settings_t), intent(in) :: settings
@@ -44,8 +45,9 @@ contains
     type(gas_numerics_t), intent(in) :: numerics
     type(gas_t), intent(out) :: gas
     type(outcome_t), intent(inout) :: outcome
+    type(open_space_t), intent(in), optional :: space  !< that walls leave; all of the domain if not given
 
-    call create_state(boxes, mesh, settings, records, numerics, gas, outcome)
+    call create_state(boxes, mesh, settings, records, numerics, gas, outcome, space)
   end subroutine new_gas
 
   !> One implicit step. Without convergence velocity and pressure are as before.
@@ -72,20 +74,23 @@ contains
     call restore_state(self)
   end subroutine reject
 
-  !> Velocity of the gas in each cell, the mean over the two faces that share its drag [m/s]: the drag on the gas is
+  !> Velocity of the gas in each cell, the mean over the two faces as they share its drag [m/s]: the drag on the gas is
   !> drag_source - drag*cell_velocity exactly.
   pure subroutine cell_velocity(self, velocity)
     class(gas_t), intent(in) :: self
     real(wp), intent(out), contiguous :: velocity(:,:,:,:)  !< (3, cells 1..n)
 
     integer :: a, i, j, k, e(3)
+    real(wp) :: upper
 
+    upper = 0.5_wp
     do a = 1, 3
       e = unit_step(a)
       do k = 1, self%boxes%n(3)
         do j = 1, self%boxes%n(2)
           do i = 1, self%boxes%n(1)
-            velocity(a, i, j, k) = 0.5_wp*(self%velocity(i - e(1), j - e(2), k - e(3), a) + self%velocity(i, j, k, a))
+            if (allocated(self%space)) upper = self%space%upper(i, j, k, a)
+            velocity(a, i, j, k) = (1 - upper)*self%velocity(i - e(1), j - e(2), k - e(3), a) + upper*self%velocity(i, j, k, a)
           end do
         end do
       end do
@@ -125,23 +130,27 @@ contains
     end do
   end subroutine cell_pressure_gradient
 
-  !> Force of the drag on the gas, over all ranks, half of each cell's on each of its two faces [N]. What falls on
+  !> Force of the drag on the gas, over all ranks, half of each cell's on each of its two faces, or what walls leave of each
+  !> to share it by [N]. What falls on
   !> faces whose velocity is given is borne by the boundary.
   function drag_total(self) result(force)
     class(gas_t), intent(in) :: self
     real(wp) :: force(3)
 
     integer :: a, i, j, k, e(3)
+    real(wp) :: upper
 
+    upper = 0.5_wp
     force = 0.0_wp
     do a = 1, 3
       e = unit_step(a)
       do k = 1, self%boxes%n(3)
         do j = 1, self%boxes%n(2)
           do i = 1, self%boxes%n(1)
+            if (allocated(self%space)) upper = self%space%upper(i, j, k, a)
             associate (source => self%drag_source(a, i, j, k), coefficient => self%drag(i, j, k))
-              force(a) = force(a) + 0.5_wp*(source - coefficient*self%velocity(i - e(1), j - e(2), k - e(3), a)) &
-                                  + 0.5_wp*(source - coefficient*self%velocity(i, j, k, a))
+              force(a) = force(a) + (1 - upper)*(source - coefficient*self%velocity(i - e(1), j - e(2), k - e(3), a)) &
+                                  + upper*(source - coefficient*self%velocity(i, j, k, a))
             end associate
           end do
         end do

@@ -8,6 +8,7 @@ module gas_boundary
   use gas_settings, only: gas_settings_t
   use kinds, only: wp
   use mesh, only: mesh_t
+  use open_space, only: open_space_t
   use outcome, only: outcome_t, exit_input
   implicit none
   private
@@ -25,6 +26,7 @@ module gas_boundary
     real(wp), allocatable :: pressure(:,:,:)      !< on open faces [Pa]
     real(wp), allocatable :: slide(:,:,:,:)       !< (face, component) velocity of the wall [m/s]; only where any wall moves
     integer, allocatable, private :: record(:,:,:)
+    real(wp), allocatable, private :: area(:,:,:)     !< as far as it is open [m2]
     real(wp), allocatable, private :: nominal(:,:,:)  !< flow where factors are 1 [m/s]; only if any inflow changes
   end type side_t
 
@@ -46,13 +48,14 @@ module gas_boundary
 contains
 
   !> Resolve the records on the surface of my box; mistakes that only the grid shows go into `outcome`.
-  subroutine new_gas_boundary(boxes, mesh, records, settings, boundary, outcome)
+  subroutine new_gas_boundary(boxes, mesh, records, settings, boundary, outcome, space)
     type(boxes_t), intent(in) :: boxes
     type(mesh_t), intent(in) :: mesh
     type(boundary_settings_t), intent(in) :: records(:)
     type(gas_settings_t), intent(in) :: settings
     type(gas_boundary_t), intent(out) :: boundary
     type(outcome_t), intent(inout) :: outcome
+    type(open_space_t), intent(in), optional :: space  !< that walls leave
 
     real(wp) :: area(size(records)), speed(size(records))
     integer :: a, end, overlap
@@ -61,12 +64,15 @@ contains
     overlap = 0
     do a = 1, 3
       do end = 1, 2
-        call name_faces(boxes, mesh, records, a, end, boundary%side(end, a), overlap)
-        if (boundary%side(end, a)%mine) call add_area(boundary%side(end, a), boxes, mesh, a, area)
+        boundary%side(end, a)%mine = merge(boxes%at_low(a), boxes%at_high(a), end == 1)
+        if (.not. boundary%side(end, a)%mine) cycle
+        call measure_faces(boxes, mesh, a, end, boundary%side(end, a), space)
+        call name_faces(boxes, mesh, records, a, boundary%side(end, a), overlap)
+        call add_area(boundary%side(end, a), boxes, a, area)
       end do
     end do
     area = boxes%comm%sum(area)
-    call check_records(records, area, boxes%comm%max(overlap), outcome)
+    call check_records(records, area, boxes%comm%max(overlap), present(space), outcome)
     speed = superficial(records, area, settings%density)
     boundary%inflow = sum(speed*area)
     call settle_sides(boxes, records, speed, settings%pressure, boundary)
@@ -78,24 +84,21 @@ contains
   end subroutine new_gas_boundary
 
   !> Which record owns each face of one side, 0 for none. The last of several wins, after `overlap` has told of them.
-  pure subroutine name_faces(boxes, mesh, records, a, end, side, overlap)
+  pure subroutine name_faces(boxes, mesh, records, a, side, overlap)
     type(boxes_t), intent(in) :: boxes
     type(mesh_t), intent(in) :: mesh
     type(boundary_settings_t), intent(in) :: records(:)
-    integer, intent(in) :: a, end
+    integer, intent(in) :: a
     type(side_t), intent(inout) :: side
     integer, intent(inout) :: overlap  !< which two records hold one face: first + (second - 1)*size(records)
 
-    integer :: i, j, k, m, lo(3), hi(3)
+    integer :: i, j, k, m
     real(wp) :: x(3)
 
-    side%mine = merge(boxes%at_low(a), boxes%at_high(a), end == 1)
-    if (.not. side%mine) return
-    call side_bounds(boxes, a, end, lo, hi)
-    allocate (side%record(lo(1):hi(1), lo(2):hi(2), lo(3):hi(3)), source=0)
-    do k = lo(3), hi(3)
-      do j = lo(2), hi(2)
-        do i = lo(1), hi(1)
+    do k = lbound(side%area, 3), ubound(side%area, 3)
+      do j = lbound(side%area, 2), ubound(side%area, 2)
+        do i = lbound(side%area, 1), ubound(side%area, 1)
+          if (.not. side%area(i, j, k) > 0.0_wp) cycle
           x = face_centre(boxes, mesh, [i, j, k], a)
           do m = 1, size(records)
             if (.not. holds(records(m), x, mesh%finest)) cycle
@@ -106,6 +109,22 @@ contains
       end do
     end do
   end subroutine name_faces
+
+  !> Open areas of the faces of one side, which have no record yet.
+  pure subroutine measure_faces(boxes, mesh, a, end, side, space)
+    type(boxes_t), intent(in) :: boxes
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: a, end
+    type(side_t), intent(inout) :: side
+    type(open_space_t), intent(in), optional :: space
+
+    integer :: lo(3), hi(3)
+
+    call side_bounds(boxes, a, end, lo, hi)
+    allocate (side%record(lo(1):hi(1), lo(2):hi(2), lo(3):hi(3)), source=0)
+    allocate (side%area(lo(1):hi(1), lo(2):hi(2), lo(3):hi(3)), source=mesh%areas(a, boxes%lo - 1 + lo, boxes%lo - 1 + hi))
+    if (present(space)) side%area = side%area*space%area(lo(1):hi(1), lo(2):hi(2), lo(3):hi(3), a)
+  end subroutine measure_faces
 
   !> Index bounds of the faces of a side, with a rim of one along it.
   pure subroutine side_bounds(boxes, a, end, lo, hi)
@@ -135,19 +154,6 @@ contains
     x(a) = mesh%axis(a)%face(place(a))
   end function face_centre
 
-  !> Area [m2] of a face across `a`, along which its indices lie within my box.
-  pure function face_area(boxes, mesh, cell, a) result(area)
-    type(boxes_t), intent(in) :: boxes
-    type(mesh_t), intent(in) :: mesh
-    integer, intent(in) :: cell(3), a
-    real(wp) :: area
-
-    real(wp) :: one(1, 1, 1)
-
-    one = mesh%areas(a, boxes%lo - 1 + cell, boxes%lo - 1 + cell)
-    area = one(1, 1, 1)
-  end function face_area
-
   pure function holds(record, x, h)
     type(boundary_settings_t), intent(in) :: record
     real(wp), intent(in) :: x(3), h(3)
@@ -157,10 +163,9 @@ contains
   end function holds
 
   !> Add the areas of my faces, rim left out, to those of their records.
-  pure subroutine add_area(side, boxes, mesh, a, area)
+  pure subroutine add_area(side, boxes, a, area)
     type(side_t), intent(in) :: side
     type(boxes_t), intent(in) :: boxes
-    type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: a
     real(wp), intent(inout) :: area(:)
 
@@ -170,7 +175,7 @@ contains
     hi = boxes%n
     lo(a) = lbound(side%record, a)
     hi(a) = lo(a)
-    associate (face => mesh%areas(a, boxes%lo - 1 + lo, boxes%lo - 1 + hi))
+    associate (face => side%area(lo(1):hi(1), lo(2):hi(2), lo(3):hi(3)))
       do m = 1, size(area)
         area(m) = area(m) + sum(face, side%record(lo(1):hi(1), lo(2):hi(2), lo(3):hi(3)) == m)
       end do
@@ -178,10 +183,11 @@ contains
   end subroutine add_area
 
   !> Mistakes that only the grid shows. All ranks find the same.
-  pure subroutine check_records(records, area, overlap, outcome)
+  pure subroutine check_records(records, area, overlap, walled, outcome)
     type(boundary_settings_t), intent(in) :: records(:)
     real(wp), intent(in) :: area(:)
     integer, intent(in) :: overlap
+    logical, intent(in) :: walled  !< whether walls block the gas
     type(outcome_t), intent(inout) :: outcome
 
     integer :: m
@@ -189,7 +195,8 @@ contains
     do m = 1, size(records)
       if (area(m) > 0.0_wp) cycle
       call outcome%fail(exit_input, '&boundary '//trim(records(m)%id)//' holds the centre of no cell face on the ' &
-                        //'surface of the domain: move its corners onto a face that is not periodic, or widen it')
+                        //'surface of the domain'//trim(merge(' that walls leave open', repeat(' ', 22), walled)) &
+                        //': move its corners onto a face that is not periodic, or widen it')
     end do
     if (overlap == 0) return
     call outcome%fail(exit_input, '&boundary '//trim(records(1 + modulo(overlap - 1, size(records)))%id) &
@@ -343,7 +350,7 @@ contains
           side%flow(i, j, k) = share*side%flow(i, j, k)
           rim = [i, j, k]
           rim(a) = 1
-          if (all(rim >= 1 .and. rim <= boxes%n)) total(m) = total(m) + share*face_area(boxes, mesh, [i, j, k], a)
+          if (all(rim >= 1 .and. rim <= boxes%n)) total(m) = total(m) + share*side%area(i, j, k)
         end do
       end do
     end do

@@ -16,6 +16,7 @@ module gas_state
   use kinds, only: wp
   use mesh, only: mesh_t
   use momentum_solver, only: stencil_t, momentum_solver_t
+  use open_space, only: open_space_t
   use outcome, only: outcome_t
   use pressure_solver, only: pressure_solver_t
   implicit none
@@ -68,6 +69,7 @@ module gas_state
     type(boxes_t) :: boxes
     type(mesh_t) :: mesh
     type(halo_t) :: halo
+    type(open_space_t), allocatable :: space        !< exists if walls within the domain block the gas
     type(gas_boundary_t) :: boundary
     type(gas_numerics_t) :: numerics
     type(gas_report_t) :: report
@@ -77,6 +79,7 @@ module gas_state
     real(wp) :: viscosity                           !< dynamic [Pa s]
     real(wp) :: gravity(3) = 0.0_wp                 !< [m/s2]; its owner sets it before the first step
     integer :: limiter
+    integer :: level_cell(3) = 1                    !< of my box, or outside it: keeps its pressure where none is given
     integer :: first(3, 3) = 1                      !< (b, a): first unknown of component a along b; 0 across the low side
     real(wp), allocatable :: eps(:,:,:)             !< void fraction at the end of the step [-]
     real(wp), allocatable :: eps_old(:,:,:)         !< and at its start
@@ -86,7 +89,7 @@ module gas_state
     real(wp), allocatable :: pressure(:,:,:)        !< [Pa]
     real(wp), allocatable :: free(:,:,:,:)          !< (face, a): 1 where the velocity is solved for, 0 where given
     type(spacing_t) :: spacing(3)
-    real(wp), allocatable :: volume(:,:,:)          !< of cells [m3]
+    real(wp), allocatable :: volume(:,:,:)          !< of cells, as far as they are open; of closed ones all of it [m3]
     real(wp), allocatable :: passage(:,:,:,:)       !< void fraction times area of faces [m2]
     real(wp), allocatable :: storage(:,:,:)         !< growth of the gas mass of cells in the step [kg/s]
     real(wp), allocatable :: flux(:,:,:,:)          !< mass flow through faces [kg/s]
@@ -107,7 +110,7 @@ module gas_state
 contains
 
   !> A gas at its initial velocity in a domain without particles.
-  subroutine create_state(boxes, mesh, settings, records, numerics, state, outcome)
+  subroutine create_state(boxes, mesh, settings, records, numerics, state, outcome, space)
     type(boxes_t), intent(in) :: boxes
     type(mesh_t), intent(in) :: mesh
     type(gas_settings_t), intent(in) :: settings
@@ -115,6 +118,7 @@ contains
     type(gas_numerics_t), intent(in) :: numerics
     class(gas_state_t), intent(inout) :: state
     type(outcome_t), intent(inout) :: outcome
+    type(open_space_t), intent(in), optional :: space  !< that walls leave
 
     integer :: a
 
@@ -129,18 +133,49 @@ contains
     if (settings%flow_given) state%driving%flow = settings%mass_flow
     state%limiter = limiter_index(numerics%limiter)
     if (state%limiter < 0) error stop 'gas_state: the case reader let an unknown limiter pass'
-    call new_gas_boundary(boxes, mesh, records, settings, state%boundary, outcome)
+    call new_gas_boundary(boxes, mesh, records, settings, state%boundary, outcome, space)
     if (outcome%failed()) return
     call allocate_fields(state, boxes%n)
     call set_spacing(state)
     call mark_faces(state)
+    state%level_cell = 2 - boxes%lo
+    if (present(space)) call narrow(state, space)
     do a = 1, 3
       state%velocity(:, :, :, a) = settings%velocity(a)*state%free(:, :, :, a)
     end do
     state%pressure = settings%pressure
     call set_outer_pressure(state)
-    call state%solver%create(boxes, .not. state%boundary%any_open)
+    if (present(space)) then
+      call state%solver%create(boxes, .not. state%boundary%any_open, state%level_cell, space%closed)
+    else
+      call state%solver%create(boxes, .not. state%boundary%any_open, state%level_cell)
+    end if
   end subroutine create_state
+
+  !> Leave to the gas what is open. The box of the domain is wall as far as its faces are open.
+  subroutine narrow(state, space)
+    class(gas_state_t), intent(inout) :: state
+    type(open_space_t), intent(in) :: space
+
+    integer :: a, end, lo(3), hi(3), in(3)
+
+    state%space = space
+    where (space%volume > 0.0_wp) state%volume = space%volume*state%volume
+    where (.not. space%area > 0.0_wp) state%free = 0.0_wp
+    state%level_cell = space%first_open + 1 - state%boxes%lo
+    do a = 1, 3
+      do end = 1, 2
+        associate (side => state%boundary%side(end, a))
+          if (.not. side%mine) cycle
+          lo = lbound(side%grip)
+          hi = ubound(side%grip)
+          in = merge(unit_step(a), [0, 0, 0], end == 1)
+          side%grip = side%grip*space%area(lo(1):hi(1), lo(2):hi(2), lo(3):hi(3), a) &
+            /max(tiny(1.0_wp), space%volume(lo(1) + in(1):hi(1) + in(1), lo(2) + in(2):hi(2) + in(2), lo(3) + in(3):hi(3) + in(3)))
+        end associate
+      end do
+    end do
+  end subroutine narrow
 
   subroutine allocate_fields(state, n)
     class(gas_state_t), intent(inout) :: state

@@ -10,6 +10,7 @@ module momentum
   use gas_state, only: gas_state_t, wall_t, unit_step
   use kinds, only: wp
   use momentum_cells, only: find_crossing, wall_conductance, wall_push
+  use narrow_momentum, only: add_walls, keep_closed
   implicit none
   private
   public :: prepare_momentum, assemble_momentum, drive
@@ -58,6 +59,7 @@ contains
       if (.not. state%stencil(a)%active) cycle
       call set_fixed(state, a, dt)
       call add_friction(state, a)
+      if (allocated(state%space)) call add_walls(state, a)
       call set_mobility(state, a)
     end do
   end subroutine prepare_momentum
@@ -182,6 +184,7 @@ contains
         call close_ends(state, a, b)
       end do
       call keep_given(state, a)
+      if (allocated(state%space)) call keep_closed(state, a)
     end do
   end subroutine assemble_momentum
 

@@ -47,19 +47,25 @@ contains
     ! the pressure cell that a face halves (b = a), or the four that meet at it
     if (a == b) sweep%corner = spread(e, 2, 4)
     if (a /= b) sweep%corner = reshape([0*e, e, s, e + s], [3, 4])
-    call cross(sweep, state%spacing, state%eps, state%flux(:, :, :, b), state%velocity(:, :, :, a), state%crossing)
+    if (allocated(state%space)) then
+      call cross(sweep, state%spacing, state%eps, state%flux(:, :, :, b), state%velocity(:, :, :, a), state%crossing, &
+                 state%space%bridge(:, :, :, b, a))
+    else
+      call cross(sweep, state%spacing, state%eps, state%flux(:, :, :, b), state%velocity(:, :, :, a), state%crossing)
+    end if
     call set_surface(state, a, b)
   end subroutine find_crossing
 
   !> The rows of faces of one sweep: coefficients of the cell below for the one above (1) and the reverse (2), and the
   !> momentum the limiter adds (3).
-  pure subroutine cross(sweep, spacing, eps, flux, u, crossing)
+  pure subroutine cross(sweep, spacing, eps, flux, u, crossing, bridge)
     type(sweep_t), intent(in) :: sweep
     type(spacing_t), intent(in) :: spacing(3)
     real(wp), intent(in), dimension(-1:sweep%n(1) + 2, -1:sweep%n(2) + 2, -1:sweep%n(3) + 2) :: eps, flux, u
     real(wp), intent(inout) :: crossing(-1:sweep%n(1), -1:sweep%n(2), -1:sweep%n(3), 3)
+    real(wp), intent(in), optional :: bridge(-1:sweep%n(1), -1:sweep%n(2), -1:sweep%n(3))  !< see open_space
 
-    real(wp), dimension(sweep%lo(1):sweep%n(1)) :: flow, upper, step, extra
+    real(wp), dimension(sweep%lo(1):sweep%n(1)) :: flow, upper, step, extra, ease
     real(wp) :: along_x(0:sweep%n(1)), along_y(0:sweep%n(2)), along_z(0:sweep%n(3)), mu, viscous
     real(wp) :: slope(2, 0:sweep%n(sweep%b)), lean(2, 0:sweep%n(sweep%b))
     integer :: i, j, k
@@ -81,8 +87,10 @@ contains
           call limited(sweep%limiter, n(1) - lo(1) + 1, upper, step, extra)
           if (sweep%graded) call scale_row(sweep, j, k, lean, flow, extra)
           mu = 0.25_wp*sweep%viscosity*along_y(j)*along_z(k)
+          ease = mu*along_x(lo(1):n(1))
+          if (present(bridge)) ease = ease*bridge(lo(1):n(1), j, k)
           do i = lo(1), n(1)
-            viscous = mu*along_x(i)*(eps(i + c(1, 1), j + c(2, 1), k + c(3, 1)) &
+            viscous = ease(i)*(eps(i + c(1, 1), j + c(2, 1), k + c(3, 1)) &
               + eps(i + c(1, 2), j + c(2, 2), k + c(3, 2)) + eps(i + c(1, 3), j + c(2, 3), k + c(3, 3)) &
               + eps(i + c(1, 4), j + c(2, 4), k + c(3, 4)))
             crossing(i, j, k, 1) = viscous + max(flow(i), 0.0_wp)

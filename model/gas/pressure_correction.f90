@@ -37,22 +37,39 @@ contains
     integer, intent(in) :: a
 
     integer :: i, j, k, m, e(3)
-    real(wp) :: nearer
+    real(wp) :: nearer, edge(2)
 
     e = unit_step(a)
-    associate (n => state%boxes%n, eps => state%eps, width => state%spacing(a)%width)
+    associate (n => state%boxes%n, eps => state%eps, width => state%spacing(a)%width, side => state%spacing)
       do k = -1, n(3) + 1
         do j = -1, n(2) + 1
+          edge = merge(1.0_wp, [side(2)%width(j), side(3)%width(k)], a == [2, 3])
           do i = -1, n(1) + 1
             m = dot_product(e, [i, j, k])
             nearer = width(m + 1)/(width(m) + width(m + 1))
-            state%passage(i, j, k, a) = state%volume(i, j, k)/width(m) &
+            state%passage(i, j, k, a) = product(edge)*merge(1.0_wp, side(1)%width(i), a == 1) &
               *(nearer*eps(i, j, k) + (1 - nearer)*eps(i + e(1), j + e(2), k + e(3)))
           end do
         end do
       end do
     end associate
+    if (allocated(state%space)) state%passage(:, :, :, a) = state%passage(:, :, :, a)*state%space%area(:, :, :, a)
   end subroutine set_passages
+
+  !> The open area of a face across a [m2].
+  pure function face_area(state, face, a) result(area)
+    class(gas_state_t), intent(in) :: state
+    integer, intent(in) :: face(3), a
+    real(wp) :: area
+
+    integer :: b
+
+    area = 1.0_wp
+    do b = 1, 3
+      if (b /= a) area = area*state%spacing(b)%width(face(b))
+    end do
+    if (allocated(state%space)) area = area*state%space%area(face(1), face(2), face(3), a)
+  end function face_area
 
   subroutine set_side(state, a, end)
     class(gas_state_t), intent(inout) :: state
@@ -72,7 +89,7 @@ contains
       do k = lo(3), hi(3)
         do j = lo(2), hi(2)
           do i = lo(1), hi(1)
-            area = state%volume(i, j, k)/state%spacing(a)%width(lo(a))
+            area = face_area(state, [i, j, k], a)
             state%passage(i, j, k, a) = area*eps(i + inner(1), j + inner(2), k + inner(3))
             if (side%open(i, j, k)) cycle
             if (state%passage(i, j, k, a) <= 0.0_wp) cycle  ! the rim beyond the domain
@@ -191,8 +208,10 @@ contains
       end do
       level = 0.0_wp
       if (.not. state%boundary%any_open) then
-        ! nothing gives the level of the pressure: the first cell of the grid keeps its own
-        if (all(state%boxes%lo == 1)) level = p(1, 1, 1)
+        ! nothing gives the level of the pressure: one cell of the grid keeps its own
+        associate (c => state%level_cell)
+          if (all(c >= 1 .and. c <= n)) level = p(c(1), c(2), c(3))
+        end associate
         level = state%boxes%comm%sum(level)
       end if
       state%pressure(1:n(1), 1:n(2), 1:n(3)) = state%pressure(1:n(1), 1:n(2), 1:n(3)) &

@@ -34,22 +34,33 @@ contains
 
   !> Pressure at the lowest face minus that at the highest, each extrapolated from the two layers of
   !> cells next to it [Pa].
-  function pressure_drop(boxes, up, pressure) result(drop)
+  function pressure_drop(boxes, up, pressure, open) result(drop)
     type(boxes_t), intent(in) :: boxes
     integer, intent(in) :: up                         !< see up_axis
     real(wp), intent(in) :: pressure(-1:, -1:, -1:)   !< of the cells of my box, with two layers of halo [Pa]
+    real(wp), intent(in), optional :: open(-1:, -1:, -1:)  !< part of the cells by which they count [-]
     real(wp) :: drop
 
-    real(wp) :: layer(boxes%cells(abs(up)))
+    real(wp) :: layer(boxes%cells(abs(up))), whole(boxes%cells(abs(up)))
     integer :: a, i, last
 
     a = abs(up)
     last = boxes%cells(a)
     layer = 0
     do i = 1, boxes%n(a)
-      layer(boxes%lo(a) + i - 1) = layer_sum(pressure, boxes%n, a, i)
+      if (.not. present(open)) layer(boxes%lo(a) + i - 1) = layer_sum(pressure, boxes%n, a, i)
+      if (present(open)) layer(boxes%lo(a) + i - 1) = layer_sum(open*pressure, boxes%n, a, i)
     end do
-    layer = boxes%comm%sum(layer)*last/product(real(boxes%cells, wp))
+    layer = boxes%comm%sum(layer)
+    whole = product(real(boxes%cells, wp))/last
+    if (present(open)) then
+      whole = 0
+      do i = 1, boxes%n(a)
+        whole(boxes%lo(a) + i - 1) = layer_sum(open, boxes%n, a, i)
+      end do
+      whole = boxes%comm%sum(whole)
+    end if
+    where (whole > 0) layer = layer/whole
     if (last == 1) then
       drop = 0
     else

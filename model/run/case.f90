@@ -122,8 +122,7 @@ contains
       call declare_fill(case%fills(i), keys)
     end do
     call keys%group('wall', 'a plane, cylinder, cone or mesh of triangles in the domain', &
-                    'optional, with &parcels; the gas passes through it', &
-                    unwanted=.not. case%with_parcels, repeated=.true.)
+                    'optional; the gas passes through it unless gas_side says otherwise', repeated=.true.)
     allocate (case%walls(keys%number()), case%surfaces(keys%number()))
     do i = 1, size(case%walls)
       call keys%open(i)

@@ -117,6 +117,7 @@ contains
 
     if (.not. case%with_parcels) then
       call line(unit, 'parcels', 'none: gas alone')
+      call describe_walls(case, unit)
       return
     end if
     call line(unit, 'parcels', weighting_words(case)//'; seed '//shown(case%parcels%seed))
@@ -182,6 +183,8 @@ contains
         if (wall%kind == 'cylinder' .and. wall%has_length()) text = text//' '//shown(wall%length)//' m long'
         if (wall%kind == 'cylinder' .and. .not. wall%has_length()) text = text//', parcels '//trim(wall%side)
         if (wall%kind == 'mesh') text = text//mesh_words(case%surfaces(i))//' from '//trim(wall%file)
+        if (wall%blocks_gas() .and. wall%kind == 'plane') text = text//', gas where the normal points'
+        if (wall%blocks_gas() .and. wall%kind /= 'plane') text = text//', gas '//trim(wall%gas_side)
         text = text//made_of(case, wall%material)
         if (wall%stays) text = text//', at rest, its surface'
         if (norm2(wall%velocity) > 0) text = text//', running at '//brief(norm2(wall%velocity))//' m/s'
@@ -189,7 +192,11 @@ contains
         call line(unit, 'wall', text)
       end associate
     end do
-    if (case%with_gas .and. size(case%walls) > 0) call line(unit, '', 'the gas passes through walls')
+    if (.not. case%with_gas) return
+    if (all([(case%walls(i)%blocks_gas(), i=1, size(case%walls))])) return
+    text = 'walls'
+    if (any([(case%walls(i)%blocks_gas(), i=1, size(case%walls))])) text = 'the other walls'
+    call line(unit, '', 'the gas passes through '//text)
   end subroutine describe_walls
 
   pure function mesh_words(surface) result(words)

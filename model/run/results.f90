@@ -131,7 +131,7 @@ contains
         'by which the pressure falls across the domain, along periodic directions, last step', 3)]
     end if
     if (scene%with_gas .and. scene%with_parcels) columns = [columns, &
-      column_t('weight_per_area', 'Pa', 'of all parcels over the cross-section'), &
+      column_t('weight_per_area', 'Pa', 'of all parcels over the cross-section, its mean where walls block the gas'), &
       column_t('exchange_residual', '1', 'momentum not balanced between gas and parcels, last step'), &
       column_t('least_void_fraction', '1', 'of any cell, before clipping'), &
       column_t('clipped_volume', 'm3', 'of solids the gas does not see, last step')]
@@ -159,12 +159,21 @@ contains
       call self%overlaps%enter(self%statistics)
       self%bed%weight_per_area = self%statistics%mass*self%gravity*(self%upper(a) - self%lower(a)) &
         /product(self%upper - self%lower)
+      if (scene%with_gas) then
+        if (allocated(scene%gas%space)) self%bed%weight_per_area = self%bed%weight_per_area &
+          *product(self%upper - self%lower)/scene%gas%space%open_volume
+      end if
       associate (p => scene%solids%parcels)
         call bed_heights(scene%comm, self%lower, self%upper, self%up, p%state(1:3, 1:p%n), 1/p%state(mass_row, 1:p%n), &
                          self%bed)
       end associate
     end if
-    if (scene%with_gas) self%bed%pressure_drop = pressure_drop(scene%boxes, self%up, scene%gas%pressure)
+    if (.not. scene%with_gas) return
+    if (allocated(scene%gas%space)) then
+      self%bed%pressure_drop = pressure_drop(scene%boxes, self%up, scene%gas%pressure, scene%gas%space%volume)
+    else
+      self%bed%pressure_drop = pressure_drop(scene%boxes, self%up, scene%gas%pressure)
+    end if
   end subroutine look
 
   !> Keep what the powders were to be and what they became.
@@ -342,6 +351,7 @@ contains
       call gas%cell_velocity(velocity)
       call file%begin_step(time)
       call file%add('void_fraction', gas%eps(1:n(1), 1:n(2), 1:n(3)), '1')
+      if (allocated(gas%space)) call file%add('open_fraction', gas%space%volume(1:n(1), 1:n(2), 1:n(3)), '1')
       call file%add('pressure', gas%pressure(1:n(1), 1:n(2), 1:n(3)), 'Pa')
       call file%add('velocity', velocity, 'm/s')
       call file%end_step(outcome)

@@ -9,6 +9,7 @@
 !> than the time the parcels have moved unseen, it sees that share of the change, and the rest in the next steps:
 !> the rate of change stays what it was, and no gas volume is lost.
 module scene
+  use blocking_walls, only: new_blocking_walls
   use boxes, only: boxes_t, new_boxes
   use case, only: case_t
   use communicator, only: communicator_t
@@ -17,7 +18,8 @@ module scene
   use gas, only: gas_t, new_gas
   use kinds, only: wp, i8
   use mesh, only: mesh_t, new_mesh, new_uniform_mesh
-  use outcome, only: outcome_t, exit_failed
+  use open_space, only: open_space_t, new_open_space
+  use outcome, only: outcome_t, exit_failed, exit_input
   use solids, only: solids_t
   use step_control, only: step_limits_t, step_taken_t, step_limits_of, plan_step
   use text, only: brief, shown
@@ -87,6 +89,7 @@ contains
                                                    tile_width(self))
     if (self%with_gas .and. self%with_parcels) then
       call self%coupling%create(self%mesh, self%boxes, case%coupling, case%gas, case%domain%gravity)
+      if (allocated(self%gas%space)) call self%coupling%narrow(self%gas%space)
     end if
   end subroutine create
 
@@ -95,17 +98,35 @@ contains
     type(case_t), intent(in) :: case
     type(outcome_t), intent(inout) :: outcome
 
+    type(open_space_t), allocatable :: space
+    integer :: i
+
     associate (d => case%domain)
       self%mesh = new_mesh(d%axis)
       call new_boxes(self%comm, d%cells, d%periodic, self%boxes, outcome)
       if (outcome%failed()) return
-      call new_gas(self%boxes, self%mesh, case%gas, case%boundaries, case%gas_numerics, self%gas, outcome)
+      if (any([(case%walls(i)%blocks_gas(), i=1, size(case%walls))])) call find_space(self, case, space, outcome)
+      if (outcome%failed()) return
+      call new_gas(self%boxes, self%mesh, case%gas, case%boundaries, case%gas_numerics, self%gas, outcome, space)
       self%gas%gravity = d%gravity
     end associate
     associate (n => self%boxes%n)
       allocate (self%mapped(n(1), n(2), n(3)), source=1.0_wp)
     end associate
   end subroutine create_gas
+
+  !> What the walls leave to the gas.
+  subroutine find_space(self, case, space, outcome)
+    type(scene_t), intent(in) :: self
+    type(case_t), intent(in) :: case
+    type(open_space_t), allocatable, intent(out) :: space
+    type(outcome_t), intent(inout) :: outcome
+
+    allocate (space)
+    call new_open_space(self%boxes, self%mesh, new_blocking_walls(case%walls, case%surfaces, self%mesh), space)
+    if (all(space%first_open > 0)) return
+    call outcome%fail(exit_input, 'the walls leave no cell to the gas: see gas_side of &wall')
+  end subroutine find_space
 
   !> Cubes, about, a twentieth of the shortest edge wide.
   pure function cells_without_gas(extent) result(cells)

@@ -25,6 +25,9 @@ contains
     integer :: i
 
     do i = 1, size(case%walls)
+      call keys%require_at(case%with_gas .or. .not. case%walls(i)%blocks_gas(), 'wall', i, 'gas_side', 'there is no &gas')
+      call keys%require_at(case%with_parcels .or. case%walls(i)%blocks_gas(), 'wall', i, '', &
+                           'nothing meets it: there are no &parcels, and the gas passes through it; see gas_side')
       if (.not. case%walls(i)%has_shape()) cycle
       if (case%walls(i)%kind == 'plane') then
         call check_plane(case, i, keys)

@@ -23,8 +23,10 @@ module pressure_solver
     logical :: coupled(3)                       !< directions in which a cell has another neighbour than itself
     logical :: at_high(3)                       !< whether the faces above my last cells are the domain's surface
     logical :: floating                         !< no pressure is given anywhere
-    logical :: first                            !< my box holds the first cell of the grid
-    real(wp) :: cells                           !< number of cells of the grid
+    integer :: level_cell(3)                    !< in whose row the level is drawn to 0, counted in my box
+    logical :: with_level                       !< whether it is in my box
+    real(wp) :: cells                           !< number of cells of the grid that are not closed
+    logical, allocatable :: closed(:,:,:)       !< (cells) those without a pressure; exists if there may be any
     real(wp), allocatable :: values(:,:,:,:)    !< (4, cells) diagonal; x, y, z upper neighbour
     real(wp), allocatable :: solution(:,:,:)
   contains
@@ -36,18 +38,25 @@ module pressure_solver
 
 contains
 
-  subroutine create(self, boxes, floating)
+  subroutine create(self, boxes, floating, level_cell, closed)
     class(pressure_solver_t), intent(inout) :: self
     type(boxes_t), intent(in) :: boxes
     logical, intent(in) :: floating  !< no boundary face has a given pressure
+    integer, intent(in) :: level_cell(3)             !< one cell of the grid that is not closed, counted in my box from 1
+    logical, intent(in), optional :: closed(:,:,:)   !< (cells) cells that no face connects
 
     self%comm = boxes%comm
     self%n = boxes%n
     self%coupled = boxes%cells > 1 .or. .not. boxes%periodic
     self%at_high = boxes%at_high
     self%floating = floating
-    self%first = all(boxes%lo == 1)
+    self%level_cell = level_cell
+    self%with_level = all(level_cell >= 1 .and. level_cell <= boxes%n)
     self%cells = product(real(boxes%cells, wp))
+    if (present(closed)) then
+      self%closed = closed
+      self%cells = boxes%comm%sum(real(count(.not. closed), wp))
+    end if
     allocate (self%values(4, boxes%n(1), boxes%n(2), boxes%n(3)), source=0.0_wp)
     allocate (self%solution(boxes%n(1), boxes%n(2), boxes%n(3)), source=0.0_wp)
     call self%hypre%create(boxes%comm%handle%mpi_val, boxes%lo, boxes%hi, &
@@ -60,6 +69,7 @@ contains
     real(wp), intent(in), contiguous :: conductance(-1:, -1:, -1:, :)  !< (cell, a): c_f of its upper face across a
 
     integer :: a, i, j, k, e(3), inner(3)
+    real(wp) :: usual
 
     self%values = 0.0_wp
     do a = 1, 3
@@ -84,7 +94,15 @@ contains
       end do
     end do
     ! doubling one diagonal draws the level there to 0 and leaves the other equations as they are
-    if (self%floating .and. self%first) self%values(1, 1, 1, 1) = 2*self%values(1, 1, 1, 1)
+    if (self%floating .and. self%with_level) then
+      associate (c => self%level_cell)
+        self%values(1, c(1), c(2), c(3)) = 2*self%values(1, c(1), c(2), c(3))
+      end associate
+    end if
+    if (allocated(self%closed)) then
+      usual = self%comm%max(maxval(self%values(1, :, :, :)))
+      where (self%closed) self%values(1, :, :, :) = usual
+    end if
     call self%hypre%set_matrix(self%values)
   end subroutine set_matrix
 
@@ -106,6 +124,9 @@ contains
     integer, intent(out) :: iterations
 
     if (self%floating) b = b - self%comm%sum(sum(b))/self%cells
+    if (allocated(self%closed)) then
+      where (self%closed) b = 0.0_wp
+    end if
     call self%hypre%solve(b, reduction, most_iterations, self%solution, iterations)
     p(1:self%n(1), 1:self%n(2), 1:self%n(3)) = self%solution
   end subroutine solve

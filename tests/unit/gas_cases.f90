@@ -1,5 +1,6 @@
 !> Small gas problems for the unit tests.
 module gas_cases
+  use blocking_walls, only: new_blocking_walls
   use boundary_settings, only: boundary_settings_t
   use boxes, only: boxes_t, new_boxes
   use communicator, only: communicator_t
@@ -9,7 +10,10 @@ module gas_cases
   use grid_axis, only: axis_t
   use kinds, only: wp
   use mesh, only: mesh_t, new_mesh, new_uniform_mesh
+  use open_space, only: open_space_t, new_open_space
   use outcome, only: outcome_t
+  use surface, only: surface_t
+  use wall_settings, only: wall_settings_t
   implicit none
   private
   public :: scene_t, record, make_gas, set_cells, steps
@@ -25,6 +29,7 @@ module gas_cases
     type(gas_settings_t) :: settings
     type(gas_numerics_t) :: numerics
     type(boundary_settings_t), allocatable :: records(:)
+    type(wall_settings_t), allocatable :: walls(:)  !< that block the gas, none of them a mesh
   end type scene_t
 
 contains
@@ -51,12 +56,18 @@ contains
 
     type(boxes_t) :: boxes
     type(mesh_t) :: mesh
+    type(open_space_t), allocatable :: space
+    type(surface_t), allocatable :: none(:)
 
     mesh = new_uniform_mesh([0.0_wp, 0.0_wp, 0.0_wp], scene%upper, scene%cells, scene%periodic)
     if (allocated(scene%axis)) mesh = new_mesh(scene%axis)
     call new_boxes(comm, scene%cells, scene%periodic, boxes, outcome)
     if (outcome%failed()) return
-    call new_gas(boxes, mesh, scene%settings, scene%records, scene%numerics, gas, outcome)
+    if (allocated(scene%walls)) then
+      allocate (space, none(size(scene%walls)))
+      call new_open_space(boxes, mesh, new_blocking_walls(scene%walls, none, mesh), space)
+    end if
+    call new_gas(boxes, mesh, scene%settings, scene%records, scene%numerics, gas, outcome, space)
     if (outcome%failed()) return
     gas%gravity = scene%gravity
     call gas%accept()

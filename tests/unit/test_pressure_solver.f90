@@ -45,7 +45,7 @@ contains
     call new_boxes(comm, cells, periodic, boxes, outcome)
     halo = new_halo(boxes)
     call make_problem(boxes, halo, outflow, c, b, p)
-    call solver%create(boxes, outflow == 0)
+    call solver%create(boxes, outflow == 0, 2 - boxes%lo)
     call solver%set_matrix(c)
     given = sqrt(comm%sum(sum(b**2)))
     call solver%solve(b, reduction, p, iterations)

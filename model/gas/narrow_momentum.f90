@@ -1,0 +1,77 @@
+!> What walls within the domain change in the momentum equation of the gas.
+!>
+!> A face has what its two half cells give it; a cell gives to its two faces across a by their open areas (`upper` of
+!> open_space), as a closed one has no gas. Beside the usual terms there is the friction on the walls in the two cells,
+!>
+!>   sum of mu eps A_wall u/y
+!>
+!> with the distance y of the middle of the open part of the face from the wall: a straight line to it, first order.
+!> Weight acts on the open area times the distance of the pressures beside it, so that a gas at rest stays so.
+module narrow_momentum
+  use gas_state, only: gas_state_t, unit_step
+  use kinds, only: wp
+  implicit none
+  private
+  public :: add_walls, keep_closed
+
+contains
+
+  !> Add to `fixed` and `source` what they have besides with walls.
+  subroutine add_walls(state, a)
+    class(gas_state_t), intent(inout) :: state
+    integer, intent(in) :: a
+
+    integer :: i, j, k, e(3), x, y, z, m
+    real(wp) :: excess(2), friction, weight, reach
+
+    e = unit_step(a)
+    associate (first => state%first(:, a), n => state%boxes%n, space => state%space, eps => state%eps, forces => state%forces, &
+               width => state%spacing(a)%width)
+      do k = first(3), n(3)
+        z = k + e(3)
+        do j = first(2), n(2)
+          y = j + e(2)
+          do i = first(1), n(1)
+            if (.not. state%free(i, j, k, a) > 0.0_wp) cycle
+            x = i + e(1)
+            m = dot_product(e, [i, j, k])
+            excess = [space%upper(i, j, k, a) - 0.5_wp, 0.5_wp - space%upper(x, y, z, a)]
+            friction = state%viscosity*space%nearness(i, j, k, a) &
+              *(space%upper(i, j, k, a)*eps(i, j, k)*space%wall(i, j, k) &
+                + (1 - space%upper(x, y, z, a))*eps(x, y, z)*space%wall(x, y, z))
+            reach = 0.5_wp*(merge(width(m), 0.0_wp, eps(i, j, k) > 0.0_wp) + merge(width(m + 1), 0.0_wp, eps(x, y, z) > 0.0_wp))
+            weight = state%passage(i, j, k, a)*reach &
+              - 0.5_wp*(state%volume(i, j, k)*eps(i, j, k) + state%volume(x, y, z)*eps(x, y, z))
+            state%fixed(i, j, k, a) = state%fixed(i, j, k, a) + friction &
+              + (excess(1)*forces(i, j, k, 1) + excess(2)*forces(x, y, z, 1))
+            state%source(i, j, k, a) = state%source(i, j, k, a) + state%density*state%gravity(a)*weight &
+              + (excess(1)*forces(i, j, k, 1 + a) + excess(2)*forces(x, y, z, 1 + a))
+          end do
+        end do
+      end do
+    end associate
+  end subroutine add_walls
+
+  !> Rows of closed faces: no velocity.
+  subroutine keep_closed(state, a)
+    class(gas_state_t), intent(inout) :: state
+    integer, intent(in) :: a
+
+    integer :: i, j, k
+
+    associate (s => state%stencil(a))
+      do k = s%lo(3), s%n(3)
+        do j = s%lo(2), s%n(2)
+          do i = s%lo(1), s%n(1)
+            if (state%free(i, j, k, a) > 0.0_wp) cycle
+            s%low(i, j, k, :) = 0.0_wp
+            s%high(i, j, k, :) = 0.0_wp
+            s%centre(i, j, k) = state%fixed(i, j, k, a)
+            s%rhs(i, j, k) = state%source(i, j, k, a)
+          end do
+        end do
+      end do
+    end associate
+  end subroutine keep_closed
+
+end module narrow_momentum
