@@ -130,9 +130,8 @@ contains
     end do
   end subroutine cell_pressure_gradient
 
-  !> Force of the drag on the gas, over all ranks, half of each cell's on each of its two faces, or what walls leave of each
-  !> to share it by [N]. What falls on
-  !> faces whose velocity is given is borne by the boundary.
+  !> Force of the drag on the gas, over all ranks, half of each cell's on each of its two faces, or by their open areas
+  !> where walls block the gas [N]. What falls on faces whose velocity is given is borne by the boundary.
   function drag_total(self) result(force)
     class(gas_t), intent(in) :: self
     real(wp) :: force(3)

@@ -10,7 +10,7 @@ module momentum
   use gas_state, only: gas_state_t, wall_t, unit_step
   use kinds, only: wp
   use momentum_cells, only: find_crossing, wall_conductance, wall_push
-  use narrow_momentum, only: add_walls, keep_closed
+  use narrow_momentum, only: add_walls
   implicit none
   private
   public :: prepare_momentum, assemble_momentum, drive
@@ -184,7 +184,6 @@ contains
         call close_ends(state, a, b)
       end do
       call keep_given(state, a)
-      if (allocated(state%space)) call keep_closed(state, a)
     end do
   end subroutine assemble_momentum
 
@@ -322,30 +321,44 @@ contains
     end associate
   end subroutine close_ends
 
-  !> Rows of the faces across a whose velocity is given.
+  !> Rows of the faces across a whose velocity is given: those on the surface of the domain, and closed ones.
   subroutine keep_given(state, a)
     class(gas_state_t), intent(inout) :: state
     integer, intent(in) :: a
 
-    integer :: i, j, k, end, lo(3), hi(3)
+    integer :: end, lo(3), hi(3)
+
+    if (allocated(state%space)) then
+      call keep_rows(state, a, state%stencil(a)%lo, state%stencil(a)%n)
+      return
+    end if
+    do end = 1, 2
+      if (.not. state%boundary%side(end, a)%mine) cycle
+      call layer_along(state, a, a, end, lo, hi)
+      call keep_rows(state, a, lo, hi)
+    end do
+  end subroutine keep_given
+
+  !> Those among some faces.
+  subroutine keep_rows(state, a, lo, hi)
+    class(gas_state_t), intent(inout) :: state
+    integer, intent(in) :: a, lo(3), hi(3)
+
+    integer :: i, j, k
 
     associate (s => state%stencil(a))
-      do end = 1, 2
-        if (.not. state%boundary%side(end, a)%mine) cycle
-        call layer_along(state, a, a, end, lo, hi)
-        do k = lo(3), hi(3)
-          do j = lo(2), hi(2)
-            do i = lo(1), hi(1)
-              if (state%free(i, j, k, a) > 0.0_wp) cycle
-              s%low(i, j, k, :) = 0.0_wp
-              s%high(i, j, k, :) = 0.0_wp
-              s%centre(i, j, k) = state%fixed(i, j, k, a)
-              s%rhs(i, j, k) = state%source(i, j, k, a)
-            end do
+      do k = lo(3), hi(3)
+        do j = lo(2), hi(2)
+          do i = lo(1), hi(1)
+            if (state%free(i, j, k, a) > 0.0_wp) cycle
+            s%low(i, j, k, :) = 0.0_wp
+            s%high(i, j, k, :) = 0.0_wp
+            s%centre(i, j, k) = state%fixed(i, j, k, a)
+            s%rhs(i, j, k) = state%source(i, j, k, a)
           end do
         end do
       end do
     end associate
-  end subroutine keep_given
+  end subroutine keep_rows
 
 end module momentum

@@ -12,7 +12,7 @@ module narrow_momentum
   use kinds, only: wp
   implicit none
   private
-  public :: add_walls, keep_closed
+  public :: add_walls
 
 contains
 
@@ -51,27 +51,5 @@ contains
       end do
     end associate
   end subroutine add_walls
-
-  !> Rows of closed faces: no velocity.
-  subroutine keep_closed(state, a)
-    class(gas_state_t), intent(inout) :: state
-    integer, intent(in) :: a
-
-    integer :: i, j, k
-
-    associate (s => state%stencil(a))
-      do k = s%lo(3), s%n(3)
-        do j = s%lo(2), s%n(2)
-          do i = s%lo(1), s%n(1)
-            if (state%free(i, j, k, a) > 0.0_wp) cycle
-            s%low(i, j, k, :) = 0.0_wp
-            s%high(i, j, k, :) = 0.0_wp
-            s%centre(i, j, k) = state%fixed(i, j, k, a)
-            s%rhs(i, j, k) = state%source(i, j, k, a)
-          end do
-        end do
-      end do
-    end associate
-  end subroutine keep_closed
 
 end module narrow_momentum

@@ -18,7 +18,7 @@ module domain_settings
     type(axis_t) :: axis(3)                               !< where their faces are, once both groups are right
   end type domain_settings_t
 
-  real(wp), parameter, public :: steepest = 1.5_wp  !< most that two cells beside each other may differ in width [-]
+  real(wp), parameter :: steepest = 1.5_wp  !< most that two cells beside each other may differ in width [-]
   character(len=*), parameter :: axis_names = 'xyz'
 
   !> How the faces of one axis are graded, as given.

@@ -271,6 +271,12 @@ contains
         call write_audit(output_unit, self%audits(i))
       end do
     end if
+    if (allocated(self%scene%gas%space)) then
+      associate (space => self%scene%gas%space)
+        call self%progress%say('walls leave '//brief(space%open_volume)//' m3 to the gas; '//shown(space%lost_cells) &
+                               //' cells that are hardly open are closed, with '//brief(space%lost_volume)//' m3')
+      end associate
+    end if
     if (self%scene%with_parcels) call self%progress%say( &
       'solids step at most '//brief(self%scene%solids%time_step_limit())//' s, gas step at most ' &
       //brief(self%scene%limits%longest)//' s')

@@ -97,15 +97,15 @@ contains
     integer, intent(in) :: a, lo(3), hi(3)
     real(wp) :: area(lo(1):hi(1), lo(2):hi(2), lo(3):hi(3))
 
-    integer :: j, k
-    real(wp) :: along(3)  !< 0 across, where the width does not count
+    integer :: i, j, k, place(3)
 
-    along = 1.0_wp
-    along(a) = 0.0_wp
+    area = self%volumes(lo, hi)
     do k = lo(3), hi(3)
       do j = lo(2), hi(2)
-        area(:, j, k) = self%axis(1)%width(lo(1):hi(1))**along(1)*self%axis(2)%width(j)**along(2) &
-          *self%axis(3)%width(k)**along(3)
+        do i = lo(1), hi(1)
+          place = [i, j, k]
+          area(i, j, k) = area(i, j, k)/self%axis(a)%width(place(a))
+        end do
       end do
     end do
   end function areas
