@@ -7,7 +7,9 @@ program test_gas_graded
   use grid_axis, only: axis_t, uniform_axis, graded_axis, graded_faces
   use kinds, only: wp
   use laminar_flows, only: flow_scene, gap, viscosity
+  use momentum_cells, only: find_crossing
   use outcome, only: outcome_t
+  use pressure_correction, only: prepare_faces
   use vortex_flow, only: decay
   implicit none
 
@@ -16,6 +18,7 @@ program test_gas_graded
 
   call start_ranks(comm)
   call equal_cells()
+  call linear_fields()
   call plates()
   call vortices()
   call rest()
@@ -67,6 +70,83 @@ contains
     call even%destroy()
     call graded%destroy()
   end subroutine equal_cells
+
+  !> On graded cells a void fraction that is linear in y is exact on faces, so is a velocity on the faces of momentum cells,
+  !> by central differences and by van Leer alike, and friction has the areas and distances of the grid.
+  subroutine linear_fields()
+    character(len=8), parameter :: scheme(2) = [character(len=8) :: 'central', 'van_leer']
+    type(scene_t) :: scene
+    type(gas_t) :: gas
+    type(outcome_t) :: outcome
+    integer :: m, a, way
+
+    if (comm%size > 1) return
+    do m = 1, size(scheme)
+      scene%upper = top
+      scene%cells = [6, 8, 4]
+      scene%numerics%limiter = scheme(m)
+      scene%axis = [(graded_axis(graded_faces([o, top(a)], scene%cells(a:a), [2.0_wp]), .false.), a=1, 3)]
+      scene%records = [record('top', 'outflow', [o, top(2), o], top)]
+      call make_gas(comm, scene, gas, outcome)
+      call check_passages(gas)
+      do way = -1, 1
+        do a = 1, 3
+          call check_crossing(gas, a, way, trim(scheme(m)))
+        end do
+      end do
+      call gas%destroy()
+    end do
+  end subroutine linear_fields
+
+  subroutine check_passages(gas)
+    type(gas_t), intent(inout) :: gas
+
+    integer :: j
+    real(wp) :: worst
+
+    do j = 1, 8
+      gas%eps(1:6, j, 1:4) = 0.4_wp + 5*gas%mesh%axis(2)%in_metres(j - 0.5_wp)
+    end do
+    call prepare_faces(gas, 1.0_wp)
+    worst = o
+    do j = 1, 7
+      worst = max(worst, abs(gas%passage(2, j, 3, 2)/(gas%spacing(1)%width(2)*gas%spacing(3)%width(3)) &
+                             - 0.4_wp - 5*gas%mesh%axis(2)%face(j)))
+    end do
+    call expect_close(worst, o, 1.0e-13_wp, 'a linear void fraction is exact on graded faces')
+  end subroutine check_passages
+
+  !> Component a, along y; `way` is the direction of the flow, 0 for none.
+  subroutine check_crossing(gas, a, way, scheme)
+    type(gas_t), intent(inout) :: gas
+    integer, intent(in) :: a, way
+    character(len=*), intent(in) :: scheme
+
+    real(wp), parameter :: flow = 0.7_wp
+    real(wp) :: worst, u(-1:10), face, length(3)
+    integer :: j
+
+    gas%eps = 1.0_wp
+    gas%flux = way*flow
+    do j = 0, 8
+      u(j) = 2 + 30*gas%mesh%axis(2)%in_metres(j - merge(o, 0.5_wp, a == 2))
+      gas%velocity(:, j, :, a) = u(j)
+    end do
+    call find_crossing(gas, a, 2)
+    worst = o
+    do j = 2, 6
+      face = 2 + 30*gas%mesh%axis(2)%in_metres(j + merge(0.5_wp, o, a == 2))
+      if (way > 0) worst = max(worst, abs(u(j) + gas%crossing(3, j, 2, 3)/flow - face))
+      if (way < 0) worst = max(worst, abs(u(j + 1) - gas%crossing(3, j, 2, 3)/flow - face))
+      if (way /= 0) cycle
+      length = [gas%spacing(1)%width(3), gas%spacing(2)%gap(j), gas%spacing(3)%width(2)]
+      if (a == 1) length(1) = 0.5_wp*(gas%spacing(1)%width(3) + gas%spacing(1)%width(4))
+      if (a == 3) length(3) = 0.5_wp*(gas%spacing(3)%width(2) + gas%spacing(3)%width(3))
+      if (a == 2) length(2) = gas%spacing(2)%width(j + 1)
+      worst = max(worst, maxval(abs(gas%crossing(3, j, 2, 1:2)/(gas%viscosity*length(1)*length(3)/length(2)) - 1)))
+    end do
+    call expect_close(worst, o, 1.0e-11_wp, 'a linear velocity and its friction are exact on graded cells, '//scheme)
+  end subroutine check_crossing
 
   !> Between plates on cells that widen fourfold towards one of them: second order.
   subroutine plates()
