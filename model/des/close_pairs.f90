@@ -1,12 +1,13 @@
-!> Of the listed pairs those that may touch soon, and their slips.
+!> Of the listed pairs those that may touch soon, and the slips of those that touch.
 !>
-!> In a bed at rest half of the listed pairs do not touch, and parcels take hundreds of steps to change that. So the pairs
-!> nearer than a small gap are chosen for some steps, in the order of the list, and the law is asked for all of them: they are
-!> `tight`. The gap is the one that makes choosing and the forces of pairs apart cheapest together. Where parcels are so fast
-!> that choosing would not pay, all listed pairs are close, and those that touch are selected step by step.
+!> Most of the listed pairs do not touch for many steps. So the pairs nearer than a small gap are chosen for some steps, in the
+!> order of the list. Where parcels are slow nearly all of these touch: they are `tight`, and the law is asked for all of them.
+!> Else those that touch are selected among them step by step. The gap is the one that makes choosing and what is done in vain
+!> for pairs apart cheapest together.
 !>
-!> With friction every close pair has a record, of which the slip is oriented from the row's parcel to the partner. A pair that
-!> does not touch has no slip. So of pairs apart, the law is also asked for those that touched in the step before.
+!> With friction a pair that touches has a slip, oriented from the row's parcel to the partner, and with the rolling spring an
+!> angle rolled. Tight pairs have a record each. Of others there is a memory of those that touched in the last step, one behind
+!> the other.
 module close_pairs
   use contact_lanes, only: lanes, full_lanes, lane_of, group_of, record_rows
   use contact_list, only: contact_list_t
@@ -17,12 +18,10 @@ module close_pairs
   public :: close_pairs_t, pair_ways
 
   real(wp), parameter :: choosing_cost = 0.125_wp  !< of a parcel, over the forces of the pairs within a diameter around it
-  real(wp), parameter :: fewest_steps = 3.0_wp  !< for which choosing pays
-  real(wp), parameter :: patience = 16.0_wp     !< steps until it is asked again whether it would
+  real(wp), parameter :: looking_cost = 0.8_wp     !< the same over selecting among these pairs
+  real(wp), parameter :: fewest_steps = 6.0_wp     !< for which asking the law of pairs apart pays
   integer, parameter :: block_pairs = 256
   real(wp), parameter :: difference(4) = [-1, -1, -1, 1]  !< x, y, z, r of a pair
-
-  integer, parameter :: byte = selected_int_kind(2)
 
   type :: close_pairs_t
     logical :: with_history = .false.
@@ -30,15 +29,19 @@ module close_pairs
     logical :: tight = .false.
     integer :: n = 0
     integer :: swept = 0                  !< pairs whose forces of this step are known
-    integer, allocatable :: entry(:)      !< (n at least) of the list
-    integer, allocatable :: i(:), j(:)    !< (n at least) columns of the parcels
-    real(wp), allocatable :: record(:,:,:)  !< (lanes, record_rows, for n at least) see contact_lanes; those beyond n do no harm
-    real(wp), allocatable :: angle(:,:)   !< (3, as many) with the rolling spring: angle rolled [rad]
-    logical(byte), allocatable :: held(:)  !< (n at least) of pairs apart: whether the pair may have a slip
+    integer, allocatable :: entry(:)      !< (n + 1) of the list; behind the last 0
+    integer, allocatable :: i(:), j(:)    !< (n) columns of the parcels
+    real(wp), allocatable :: record(:,:,:)  !< (lanes, record_rows, for n) of tight pairs, see contact_lanes; those beyond n do
+                                            !< no harm
+    real(wp), allocatable :: angle(:,:)   !< (3, lanes for n) of tight pairs with the rolling spring: angle rolled [rad]
+    integer, allocatable :: place(:)      !< (0:n) of other pairs: column of the memory, 0 if there is none
+    integer :: memories = 0
+    real(wp), allocatable :: memory(:,:)  !< (3 or 6, 0:n at least) 1:3 slip [m], 4:6 angle [rad]; column 0 is 0
+    real(wp), allocatable :: before(:,:)  !< (as memory) that of the step before, for pairs that are not swept yet
     real(wp), private :: way_left = 0.0_wp  !< that parcels may go before the pairs are chosen again [m]
   contains
     procedure :: take_all
-    procedure :: reserve_memory
+    procedure :: forget_all
     procedure :: note_way
     procedure :: begin_step
     procedure :: last_of_rows
@@ -49,62 +52,48 @@ module close_pairs
 
 contains
 
-  !> All pairs of a new list; nothing has touched yet.
-  subroutine take_all(self, list, state)
+  !> All pairs of a new list.
+  subroutine take_all(self, list)
     class(close_pairs_t), intent(inout) :: self
     type(contact_list_t), intent(in) :: list
-    real(wp), intent(in), contiguous :: state(:,:)  !< see parcels
 
     integer :: k
 
-    self%tight = .false.
     self%n = list%entries
-    self%way_left = 0.0_wp
-    self%entry = [(k, k=1, self%n)]
+    self%entry = [(k, k=1, self%n), 0]
     self%i = list%row(1:self%n)
     self%j = list%partner(1:self%n)
-    if (.not. self%with_history) return
-    call self%reserve_memory()
-    do k = 1, self%n
-      call begin_record(self, k, state)
-    end do
+    self%way_left = 0.0_wp
+    call self%forget_all()
   end subroutine take_all
 
-  !> Room for what is kept of the pairs, which are known. What was kept is lost.
-  subroutine reserve_memory(self)
+  !> The pairs at hand are not tight and remember nothing.
+  subroutine forget_all(self)
     class(close_pairs_t), intent(inout) :: self
 
-    integer :: groups
+    self%tight = .false.
+    if (.not. self%with_history) return
+    self%memories = 0
+    if (allocated(self%place)) deallocate (self%place)
+    allocate (self%place(0:self%n), source=0)
+    call make_room(self)
+  end subroutine forget_all
 
-    groups = full_lanes(self%n)/lanes
-    if (allocated(self%record)) then
-      if (size(self%record, 3) < groups) deallocate (self%record)
-    end if
-    if (.not. allocated(self%record)) allocate (self%record(lanes, record_rows, groups + groups/8))
-    if (groups > 0) self%record(:, :, groups) = 0.0_wp
-    if (self%tight .and. allocated(self%held)) deallocate (self%held)
-    if (.not. self%tight) self%held = spread(.false._byte, 1, self%n)
-    if (.not. self%with_angles) return
-    if (allocated(self%angle)) then
-      if (size(self%angle, 2) < lanes*groups) deallocate (self%angle)
-    end if
-    if (.not. allocated(self%angle)) allocate (self%angle(3, lanes*(groups + groups/8)))
-    if (groups > 0) self%angle(:, lanes*(groups - 1) + 1:lanes*groups) = 0.0_wp
-  end subroutine reserve_memory
-
-  !> What is kept of a pair that does not touch.
-  pure subroutine begin_record(self, pair, state)
+  !> Room for a memory of each pair; what there is stays.
+  pure subroutine make_room(self)
     class(close_pairs_t), intent(inout) :: self
-    integer, intent(in) :: pair
-    real(wp), intent(in) :: state(:,:)  !< see parcels
 
-    associate (l => lane_of(pair), g => group_of(pair), i => self%i(pair), j => self%j(pair))
-      self%record(l, 1:3, g) = 0.0_wp
-      self%record(l, 4, g) = 1/sqrt(state(mass_row, i) + state(mass_row, j))
-      self%record(l, 5, g) = 1/(state(radius_row, i) + state(radius_row, j))
-    end associate
-    if (self%with_angles) self%angle(:, pair) = 0.0_wp
-  end subroutine begin_record
+    real(wp), allocatable :: larger(:,:)
+
+    if (allocated(self%memory)) then
+      if (ubound(self%memory, 2) >= self%n) return
+    end if
+    allocate (larger(merge(6, 3, self%with_angles), 0:self%n + self%n/8), source=0.0_wp)
+    if (allocated(self%memory)) larger(:, 1:self%memories) = self%memory(:, 1:self%memories)
+    call move_alloc(larger, self%memory)
+    if (allocated(self%before)) deallocate (self%before)
+    allocate (self%before, source=self%memory)
+  end subroutine make_room
 
   !> Whether a pair has a slip, or an angle.
   pure function remembers(self, pair)
@@ -112,10 +101,11 @@ contains
     integer, intent(in) :: pair
     logical :: remembers
 
-    associate (slip => self%record(lane_of(pair), 1:3, group_of(pair)))
-      remembers = any(abs(slip) > 0.0_wp)
-    end associate
-    if (self%with_angles) remembers = remembers .or. any(abs(self%angle(:, pair)) > 0.0_wp)
+    if (self%tight) then
+      remembers = any(abs(self%memory_of(pair)) > 0.0_wp)
+    else
+      remembers = self%place(pair) > 0
+    end if
   end function remembers
 
   !> The slip of a pair and, if there is one, the angle.
@@ -124,19 +114,25 @@ contains
     integer, intent(in) :: pair
     real(wp) :: memory(merge(6, 3, self%with_angles))
 
-    memory(1:3) = self%record(lane_of(pair), 1:3, group_of(pair))
-    if (self%with_angles) memory(4:6) = self%angle(:, pair)
+    if (self%tight) then
+      memory(1:3) = self%record(lane_of(pair), 1:3, group_of(pair))
+      if (self%with_angles) memory(4:6) = self%angle(:, pair)
+    else
+      memory = self%memory(:, self%place(pair))
+    end if
   end function memory_of
 
-  !> Give it back.
+  !> Give it to a pair, none of which is tight.
   pure subroutine remind(self, pair, memory)
     class(close_pairs_t), intent(inout) :: self
     integer, intent(in) :: pair
     real(wp), intent(in) :: memory(:)  !< as `memory_of`
 
-    self%record(lane_of(pair), 1:3, group_of(pair)) = memory(1:3)
-    if (self%with_angles) self%angle(:, pair) = memory(4:6)
-    if (.not. self%tight) self%held(pair) = .true.
+    if (self%place(pair) == 0) then
+      self%memories = self%memories + 1
+      self%place(pair) = self%memories
+    end if
+    self%memory(:, self%place(pair)) = memory
   end subroutine remind
 
   !> Parcels have gone so far at most.
@@ -156,17 +152,26 @@ contains
     real(wp), intent(in) :: skin            !< of the list [m]
     real(wp), intent(in) :: width           !< of a parcel [m]
 
+    real(wp), allocatable :: memory(:,:)
     real(wp) :: steps, gap
     logical :: tight
 
     self%swept = 0
-    if (self%way_left > 0.0_wp) return
-    steps = sqrt(choosing_cost*width/max(2*way, tiny(way)))
-    tight = steps > fewest_steps
-    gap = skin
-    if (tight) gap = min(2*way*steps, skin)
-    if (tight .or. self%tight) call choose(self, list, state, gap, tight)
-    self%way_left = merge(gap/2, patience*way, tight)
+    if (self%way_left <= 0.0_wp) then
+      steps = sqrt(choosing_cost*width/max(2*way, tiny(way)))
+      tight = steps > fewest_steps
+      if (.not. tight) steps = steps*sqrt(looking_cost/choosing_cost)
+      gap = min(2*way*steps, skin)
+      if (self%tight) call loosen(self)
+      call choose(self, list, state, gap)
+      if (tight) call tighten(self, state)
+      self%way_left = gap/2
+    end if
+    if (self%tight .or. .not. self%with_history) return
+    call move_alloc(self%memory, memory)
+    call move_alloc(self%before, self%memory)
+    call move_alloc(memory, self%before)
+    self%memories = 0
   end subroutine begin_step
 
   !> The last pair in rows up to the given one, or some more for full lanes.
@@ -190,67 +195,95 @@ contains
     last = min(full_lanes(last), self%n)
   end function last_of_rows
 
-  !> The listed pairs with a gap less than `gap` become the close ones and keep what they remember.
-  subroutine choose(self, list, state, gap, tight)
+  !> The listed pairs with a gap less than `gap` become the close ones; they are not tight.
+  subroutine choose(self, list, state, gap)
     class(close_pairs_t), intent(inout) :: self
     type(contact_list_t), intent(in) :: list
     real(wp), intent(in), contiguous :: state(:,:)
     real(wp), intent(in) :: gap      !< [m]
-    logical, intent(in) :: tight
 
-    integer :: entry(list%entries), before, count, m, n
+    integer, dimension(list%entries + 1) :: entry, was  ! in the list; among the pairs at hand, 0: none
+    integer :: first, count, m, n, p
     real(wp) :: way(4, block_pairs)
-    type(close_pairs_t) :: old
+    logical :: close
 
     n = 0
-    do before = 0, list%entries - 1, block_pairs
-      count = min(list%entries - before, block_pairs)
-      call pair_ways(size(state, 1), state, count, list%row(before + 1:), list%partner(before + 1:), way)
+    p = 1
+    do first = 0, list%entries - 1, block_pairs
+      count = min(list%entries - first, block_pairs)
+      call pair_ways(size(state, 1), state, count, list%row(first + 1:), list%partner(first + 1:), way)
       do m = 1, count
-        entry(n + 1) = before + m
+        close = self%entry(p) == first + m
+        entry(n + 1) = first + m
+        was(n + 1) = merge(p, 0, close)
+        p = p + merge(1, 0, close)
         n = n + merge(1, 0, way(1, m)**2 + way(2, m)**2 + way(3, m)**2 < (way(4, m) + gap)**2)
       end do
     end do
-    old%n = self%n
-    call move_alloc(self%entry, old%entry)
+    entry(n + 1) = 0
     self%n = n
-    self%tight = tight
-    self%entry = entry(1:n)
-    self%i = list%row(self%entry)
-    self%j = list%partner(self%entry)
-    if (.not. self%with_history) return
-    allocate (old%angle(3, 0))
-    call move_alloc(self%record, old%record)
-    if (self%with_angles) call move_alloc(self%angle, old%angle)
-    call self%reserve_memory()
-    call remember(self, old, state)
+    self%entry = entry(1:n + 1)
+    self%i = list%row(entry(1:n))
+    self%j = list%partner(entry(1:n))
+    if (self%with_history) call keep_memories(self, was(1:n))
   end subroutine choose
 
-  !> Pairs that were close before keep what is kept of them.
-  pure subroutine remember(self, old, state)
+  !> Pairs that were others before keep their memories.
+  subroutine keep_memories(self, was)
     class(close_pairs_t), intent(inout) :: self
-    type(close_pairs_t), intent(in) :: old
-    real(wp), intent(in) :: state(:,:)
+    integer, intent(in) :: was(:)  !< (n) place among the pairs before, 0: none
 
-    integer :: m, p
+    integer, allocatable :: place(:)
 
-    p = 1
-    do m = 1, self%n
-      do while (p <= old%n)
-        if (old%entry(p) >= self%entry(m)) exit
-        p = p + 1
-      end do
-      if (p <= old%n) then
-        if (old%entry(p) == self%entry(m)) then
-          self%record(lane_of(m), :, group_of(m)) = old%record(lane_of(p), :, group_of(p))
-          if (self%with_angles) self%angle(:, m) = old%angle(:, p)
-          if (.not. self%tight) self%held(m) = .true.
-          cycle
-        end if
-      end if
-      call begin_record(self, m, state)
+    allocate (place(0:self%n))
+    place(0) = 0
+    place(1:) = self%place(was)
+    call move_alloc(place, self%place)
+    call make_room(self)
+  end subroutine keep_memories
+
+  !> Records for all pairs, with what they remember.
+  subroutine tighten(self, state)
+    class(close_pairs_t), intent(inout) :: self
+    real(wp), intent(in) :: state(:,:)  !< see parcels
+
+    integer :: lanes_in_use, pair
+
+    self%tight = .true.
+    if (.not. self%with_history) return
+    lanes_in_use = full_lanes(self%n)
+    allocate (self%record(lanes, record_rows, lanes_in_use/lanes), source=0.0_wp)
+    if (self%with_angles) allocate (self%angle(3, lanes_in_use), source=0.0_wp)
+    do pair = 1, self%n
+      associate (l => lane_of(pair), g => group_of(pair), i => self%i(pair), j => self%j(pair), &
+                 memory => self%memory(:, self%place(pair)))
+        self%record(l, 1:3, g) = memory(1:3)
+        self%record(l, 4, g) = 1/sqrt(state(mass_row, i) + state(mass_row, j))
+        self%record(l, 5, g) = 1/(state(radius_row, i) + state(radius_row, j))
+        if (self%with_angles) self%angle(:, pair) = memory(4:6)
+      end associate
     end do
-  end subroutine remember
+    deallocate (self%place, self%memory, self%before)
+    self%memories = 0
+  end subroutine tighten
+
+  !> Memories of those pairs that have a slip or an angle.
+  subroutine loosen(self)
+    class(close_pairs_t), intent(inout) :: self
+
+    real(wp) :: memory(merge(6, 3, self%with_angles))
+    integer :: pair
+
+    call self%forget_all()
+    if (.not. self%with_history) return
+    do pair = 1, self%n
+      memory(1:3) = self%record(lane_of(pair), 1:3, group_of(pair))
+      if (self%with_angles) memory(4:6) = self%angle(:, pair)
+      if (any(abs(memory) > 0.0_wp)) call self%remind(pair, memory)
+    end do
+    deallocate (self%record)
+    if (self%with_angles) deallocate (self%angle)
+  end subroutine loosen
 
   !> x_i - x_j and r_i + r_j of pairs [m].
   pure subroutine pair_ways(rows, state, n, i, j, way)

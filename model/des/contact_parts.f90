@@ -12,7 +12,7 @@ module contact_parts
   use parcels, only: parcels_t
   implicit none
   private
-  public :: part_t, deal, gathered, begin_pairs, sweep_rows
+  public :: part_t, deal, gathered, begin_pairs, any_tight, sweep_rows
 
   !> The pairs of one law.
   type :: part_t
@@ -23,12 +23,11 @@ module contact_parts
 contains
 
   !> Deal a list, of which all pairs are close, by the law of each pair of powders; the order stays.
-  subroutine deal(list, pairs, laws, powder, state, parts)
+  subroutine deal(list, pairs, laws, powder, parts)
     type(contact_list_t), intent(in) :: list
     type(close_pairs_t), intent(in) :: pairs
     type(contact_laws_t), intent(in) :: laws
     integer, intent(in) :: powder(:)       !< of each column, ghosts included
-    real(wp), intent(in), contiguous :: state(:,:)  !< see parcels
     type(part_t), intent(inout) :: parts(:)  !< one for each law
 
     integer :: number(list%entries), c, i, k, n
@@ -52,7 +51,7 @@ contains
       end associate
       parts(c)%pairs%with_history = pairs%with_history
       parts(c)%pairs%with_angles = pairs%with_angles
-      call parts(c)%pairs%take_all(parts(c)%list, state)
+      call parts(c)%pairs%take_all(parts(c)%list)
       if (.not. pairs%with_history) cycle
       n = 0
       do k = 1, list%entries
@@ -81,6 +80,16 @@ contains
       end do
     end if
   end subroutine begin_pairs
+
+  !> Whether pairs of any law are tight.
+  pure function any_tight(pairs, parts)
+    type(close_pairs_t), intent(in) :: pairs
+    type(part_t), intent(in), allocatable :: parts(:)  !< take the place of pairs
+    logical :: any_tight
+
+    any_tight = pairs%tight
+    if (allocated(parts)) any_tight = any(parts%pairs%tight)
+  end function any_tight
 
   !> Add the forces of all pairs in the rows up to `row` that are not swept yet.
   subroutine sweep_rows(laws, row, pairs, parts, parcels)
@@ -132,12 +141,12 @@ contains
     allocate (pairs%entry(pairs%n), source=0)
     pairs%i = [(parts(c)%pairs%i(1:parts(c)%pairs%n), c=1, size(parts))]
     pairs%j = [(parts(c)%pairs%j(1:parts(c)%pairs%n), c=1, size(parts))]
+    call pairs%forget_all()
     if (.not. pairs%with_history) return
-    call pairs%reserve_memory()
     before = 0
     do c = 1, size(parts)
       do k = 1, parts(c)%pairs%n
-        call pairs%remind(before + k, parts(c)%pairs%memory_of(k))
+        if (parts(c)%pairs%remembers(k)) call pairs%remind(before + k, parts(c)%pairs%memory_of(k))
       end do
       before = before + parts(c)%pairs%n
     end do

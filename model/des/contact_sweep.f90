@@ -2,7 +2,8 @@
 !> time, and hand the forces out.
 !>
 !> Where close pairs are tight the law sees them all, and gives no force to those that do not touch. Else half of them do not
-!> touch, in no order a processor could foresee; so those that do are selected without a branch.
+!> touch, in no order a processor could foresee; so those that do are selected without a branch, and what is kept of them is
+!> written anew, one behind the other.
 module contact_sweep
   use close_pairs, only: close_pairs_t, pair_ways
   use contact_lanes, only: lanes, full_lanes, lane_of, group_of, record_rows
@@ -28,52 +29,84 @@ contains
     real(wp), intent(in) :: state(frictional_rows, *)  !< see parcels
     real(wp), intent(inout) :: force(8, *)            !< 1:3 force, 5:7 torque over radius [N]
 
-    integer :: i(block_pairs), j(block_pairs), k(block_pairs), first, next, n, m
-    real(wp) :: record(lanes, record_rows, block_pairs/lanes), angle(3, block_pairs)
+    integer :: first, next
 
     first = pairs%swept + 1
     do while (first <= last)
       next = min(first + block_pairs, last + 1)
       if (pairs%tight) then
-        if (pairs%with_angles) then
-          call add_friction(law, next - first, pairs%i(first:next - 1), pairs%j(first:next - 1), state, &
-                            pairs%record(:, :, group_of(first):), pairs%angle(:, first:), force)
-        else
-          call add_friction(law, next - first, pairs%i(first:next - 1), pairs%j(first:next - 1), state, &
-                            pairs%record(:, :, group_of(first):), angle, force)
-        end if
+        call sweep_tight(law, pairs, first, next - first, state, force)
       else
-        call select_pairs(frictional_rows, state, pairs, first, next - first, n, i, j, k)
-        do m = 1, full_lanes(n)
-          associate (p => k(min(m, n)))
-            record(lane_of(m), :, group_of(m)) = pairs%record(lane_of(p), :, group_of(p))
-            if (law%rolling%spring) angle(:, m) = pairs%angle(:, p)
-          end associate
-        end do
-        call add_friction(law, n, i, j, state, record, angle, force)
-        do m = 1, n
-          associate (p => k(m))
-            pairs%record(lane_of(p), 1:3, group_of(p)) = record(lane_of(m), 1:3, group_of(m))
-            if (law%rolling%spring) pairs%angle(:, p) = angle(:, m)
-          end associate
-        end do
+        call sweep_loose(law, pairs, first, next - first, state, force)
       end if
       first = next
     end do
   end subroutine sweep_friction
 
+  !> A block of tight pairs, whose records are used in place.
+  subroutine sweep_tight(law, pairs, first, n, state, force)
+    type(contact_law_t), intent(in) :: law
+    type(close_pairs_t), intent(inout) :: pairs
+    integer, intent(in) :: first, n                   !< pairs
+    real(wp), intent(in) :: state(frictional_rows, *)
+    real(wp), intent(inout) :: force(8, *)
+
+    real(wp) :: pair(8, block_pairs), spin(4, block_pairs), angle(3, block_pairs)
+
+    associate (i => pairs%i(first:first + n - 1), j => pairs%j(first:first + n - 1), &
+               record => pairs%record(:, :, group_of(first):))
+      call gather_friction(n, i, j, state, pair, spin)
+      if (pairs%with_angles) then
+        call add_friction(law, n, i, j, state, pair, spin, record, pairs%angle(:, first:), force)
+      else
+        call add_friction(law, n, i, j, state, pair, spin, record, angle, force)
+      end if
+    end associate
+  end subroutine sweep_tight
+
+  !> Those of a block of pairs that touch, with the memories of the step before.
+  subroutine sweep_loose(law, pairs, first, count, state, force)
+    type(contact_law_t), intent(in) :: law
+    type(close_pairs_t), intent(inout) :: pairs
+    integer, intent(in) :: first, count               !< pairs
+    real(wp), intent(in) :: state(frictional_rows, *)
+    real(wp), intent(inout) :: force(8, *)
+
+    real(wp) :: pair(8, block_pairs), spin(4, block_pairs), angle(3, block_pairs)
+    real(wp) :: record(lanes, record_rows, block_pairs/lanes)
+    integer :: i(block_pairs), j(block_pairs), place(block_pairs), n, m
+
+    call select_pairs(frictional_rows, state, pairs, first, count, n, i, j, place)
+    call gather_friction(n, i, j, state, pair, spin)
+    place(n + 1:full_lanes(n)) = 0
+    do m = 1, full_lanes(n)
+      associate (l => lane_of(m), g => group_of(m))
+        record(l, 1:3, g) = pairs%before(1:3, place(m))
+        record(l, 4, g) = 1/sqrt(pair(8, m))
+        record(l, 5, g) = 1/pair(4, m)
+      end associate
+      if (law%rolling%spring) angle(:, m) = pairs%before(4:6, place(m))
+    end do
+    call add_friction(law, n, i, j, state, pair, spin, record, angle, force)
+    do m = 1, n
+      pairs%memory(1:3, pairs%memories + m) = record(lane_of(m), 1:3, group_of(m))
+      if (law%rolling%spring) pairs%memory(4:6, pairs%memories + m) = angle(:, m)
+    end do
+    pairs%memories = pairs%memories + n
+  end subroutine sweep_loose
+
   !> What a block of pairs adds.
-  pure subroutine add_friction(law, n, i, j, state, record, angle, force)
+  pure subroutine add_friction(law, n, i, j, state, pair, spin, record, angle, force)
     type(contact_law_t), intent(in) :: law
     integer, intent(in) :: n, i(n), j(n)               !< columns
     real(wp), intent(in) :: state(frictional_rows, *)
+    real(wp), intent(in) :: pair(8, block_pairs), spin(4, block_pairs)  !< see gather_friction
     real(wp), intent(inout) :: record(lanes, record_rows, *)  !< see contact_lanes
     real(wp), intent(inout) :: angle(3, *)             !< with rolling springs
     real(wp), intent(inout) :: force(8, *)
 
-    real(wp) :: pair(8, block_pairs), spin(4, block_pairs), forces(8, block_pairs), torque(3, block_pairs)
+    real(wp) :: forces(8, block_pairs), torque(3, block_pairs)
 
-    call gather_friction(n, i, j, state, pair, spin)
     call friction_forces(law, full_lanes(n), pair, spin, record, forces)
     if (law%rolling%on) then
       call roll_pairs(law, n, i, j, state, pair, forces, angle, torque)
@@ -139,7 +172,7 @@ contains
     real(wp), intent(in) :: state(frictionless_rows, *)  !< see parcels
     real(wp), intent(inout) :: force(4, *)   !< 1:3 force [N]
 
-    integer :: i(block_pairs), j(block_pairs), k(block_pairs), first, next, n
+    integer :: i(block_pairs), j(block_pairs), place(block_pairs), first, next, n
 
     first = pairs%swept + 1
     do while (first <= last)
@@ -147,7 +180,7 @@ contains
       if (pairs%tight) then
         call add_frictionless(law, next - first, pairs%i(first:next - 1), pairs%j(first:next - 1), state, force)
       else
-        call select_pairs(frictionless_rows, state, pairs, first, next - first, n, i, j, k)
+        call select_pairs(frictionless_rows, state, pairs, first, next - first, n, i, j, place)
         call add_frictionless(law, n, i, j, state, force)
       end if
       first = next
@@ -169,43 +202,42 @@ contains
     call scatter_frictionless(n, i, j, forces, force)
   end subroutine add_frictionless
 
-  !> Of the next pairs, a block of them, those that touch or may have a slip to forget. In passes, of which the first two are
-  !> vectors: a row of memory at a time, then a row of pairs.
-  pure subroutine select_pairs(rows, state, pairs, first, count, n, i, j, k)
+  !> Of a block of pairs, those that touch. In passes, of which the first two are vectors: a row of memory at a time, then a row
+  !> of pairs.
+  pure subroutine select_pairs(rows, state, pairs, first, count, n, i, j, place)
     integer, intent(in) :: rows              !< of state
     real(wp), intent(in) :: state(rows, *)
     type(close_pairs_t), intent(inout) :: pairs
     integer, intent(in) :: first, count      !< pairs looked at
-    integer, intent(out) :: n                !< pairs chosen
+    integer, intent(out) :: n                !< pairs that touch
     integer, intent(inout) :: i(block_pairs), j(block_pairs)  !< columns
-    integer, intent(inout) :: k(block_pairs)  !< place among the close pairs
+    integer, intent(inout) :: place(block_pairs)  !< of their memories of the step before, with friction
 
-    integer :: m
-    real(wp) :: way(4, block_pairs), gap(block_pairs)
-    logical :: touching
+    integer :: m, found, touching(block_pairs), pair(block_pairs)
+    real(wp) :: way(4, block_pairs)
 
     call pair_ways(rows, state, count, pairs%i(first:), pairs%j(first:), way)
     !$omp simd
     do m = 1, count
-      gap(m) = way(1, m)**2 + way(2, m)**2 + way(3, m)**2 - way(4, m)**2
+      touching(m) = merge(1, 0, way(1, m)**2 + way(2, m)**2 + way(3, m)**2 - way(4, m)**2 < 0.0_wp)
     end do
-    n = 0
-    if (pairs%with_history) then
-      do m = 1, count
-        touching = gap(m) < 0
-        k(n + 1) = first + m - 1
-        n = n + merge(1, 0, touching .or. pairs%held(first + m - 1))
-        pairs%held(first + m - 1) = touching
-      end do
-    else
-      do m = 1, count
-        k(n + 1) = first + m - 1
-        n = n + merge(1, 0, gap(m) < 0)
-      end do
-    end if
+    found = 0
+    do m = 1, count
+      pair(found + 1) = first + m - 1
+      found = found + touching(m)
+    end do
+    n = found
     do m = 1, n
-      i(m) = pairs%i(k(m))
-      j(m) = pairs%j(k(m))
+      i(m) = pairs%i(pair(m))
+      j(m) = pairs%j(pair(m))
+    end do
+    if (.not. pairs%with_history) return
+    do m = 1, n
+      place(m) = pairs%place(pair(m))
+    end do
+    pairs%place(first:first + count - 1) = 0
+    do m = 1, n
+      pairs%place(pair(m)) = pairs%memories + m
     end do
   end subroutine select_pairs
 

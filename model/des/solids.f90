@@ -11,7 +11,7 @@ module solids
   use contact_history, only: history_t
   use contact_laws, only: contact_laws_t, new_contact_laws
   use contact_list, only: contact_list_t
-  use contact_parts, only: part_t, deal, gathered, begin_pairs, sweep_rows
+  use contact_parts, only: part_t, deal, gathered, begin_pairs, any_tight, sweep_rows
   use contact_settings, only: contact_settings_t
   use constants, only: pi, is_set
   use des_settings, only: des_settings_t
@@ -288,7 +288,7 @@ contains
     columns = 0
     do while (columns(2) < self%parcels%n)
       columns = [columns(2) + 1, min(columns(2) + stretch_rows, self%parcels%n)]
-      call self%ahead%read_stretch(columns(1), self%parcels)
+      if (any_tight(self%pairs, self%parts)) call self%ahead%read_stretch(columns(1), self%parcels)
       call find_forces(self, columns)
       call kick_and_drift(self%parcels, columns, self%chamber%gravity, times, fastest, energy)
     end do
@@ -412,11 +412,11 @@ contains
     call self%ghosts%invite(self%tiles, self%range, self%parcels, with_powder=allocated(self%parts))
     call self%search%build(self%parcels, self%skin + self%reach, self%list)
     call self%ahead%note(self%list, self%parcels)
-    call self%pairs%take_all(self%list, self%parcels%state)
+    call self%pairs%take_all(self%list)
     call self%walls%build(self%chamber, self%parcels, 0.5_wp*self%skin + self%reach)
     if (self%parcels%rotation) call self%history%restore(self%list, self%pairs, self%walls, self%parcels, self%step)
     if (allocated(self%parts)) then
-      call deal(self%list, self%pairs, self%laws, self%parcels%powder(1:self%parcels%n_all()), self%parcels%state, self%parts)
+      call deal(self%list, self%pairs, self%laws, self%parcels%powder(1:self%parcels%n_all()), self%parts)
     end if
     self%rebuilds = self%rebuilds + 1
   end subroutine make_lists

@@ -16,7 +16,6 @@ program bench_contacts
   use chamber, only: chamber_t
   use communicator, only: communicator_t, start_ranks, stop_ranks
   use constants, only: pi
-  use contact_lanes, only: full_lanes, record_rows
   use contact_settings, only: contact_settings_t
   use des_settings, only: des_settings_t
   use, intrinsic :: iso_fortran_env, only: int64
@@ -440,10 +439,11 @@ contains
     type(solids_t), intent(in) :: solids
     integer(int64) :: bytes
 
-    associate (p => solids%parcels)
+    associate (p => solids%parcels, pairs => solids%pairs)
       bytes = p%n*(8_int64*(size(p%state, 1) + size(p%force, 1) + size(p%aside, 1) + 3 + 2 + 1) + 4) &
-              + solids%list%entries*8_int64 + solids%pairs%n*12_int64 &
-              + (8_int64*record_rows + 1)*full_lanes(merge(solids%pairs%n, 0, p%rotation))
+              + solids%list%entries*8_int64 + pairs%n*12_int64
+      if (allocated(pairs%record)) bytes = bytes + 8_int64*size(pairs%record)
+      if (allocated(pairs%place)) bytes = bytes + 4_int64*size(pairs%place) + 8_int64*(size(pairs%memory) + size(pairs%before))
     end associate
   end function bytes
 
