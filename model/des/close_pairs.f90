@@ -64,6 +64,8 @@ contains
     self%i = list%row(1:self%n)
     self%j = list%partner(1:self%n)
     self%way_left = 0.0_wp
+    if (allocated(self%record)) deallocate (self%record)
+    if (allocated(self%angle)) deallocate (self%angle)
     call self%forget_all()
   end subroutine take_all
 
