@@ -207,7 +207,7 @@ contains
     integer, dimension(list%entries + 1) :: entry, was  ! in the list; among the pairs at hand, 0: none
     integer :: first, count, m, n, p
     real(wp) :: way(4, block_pairs)
-    logical :: close
+    logical :: at_hand
 
     n = 0
     p = 1
@@ -215,10 +215,10 @@ contains
       count = min(list%entries - first, block_pairs)
       call pair_ways(size(state, 1), state, count, list%row(first + 1:), list%partner(first + 1:), way)
       do m = 1, count
-        close = self%entry(p) == first + m
+        at_hand = self%entry(p) == first + m
         entry(n + 1) = first + m
-        was(n + 1) = merge(p, 0, close)
-        p = p + merge(1, 0, close)
+        was(n + 1) = merge(p, 0, at_hand)
+        p = p + merge(1, 0, at_hand)
         n = n + merge(1, 0, way(1, m)**2 + way(2, m)**2 + way(3, m)**2 < (way(4, m) + gap)**2)
       end do
     end do
