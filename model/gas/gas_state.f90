@@ -98,7 +98,6 @@ module gas_state
     real(wp), allocatable :: mobility(:,:,:,:)      !< velocity change per pressure difference, d_f [m/(s Pa)]
     real(wp), allocatable :: correction(:,:,:)      !< of the pressure [Pa]
     real(wp), allocatable :: imbalance(:,:,:)       !< mass: outflow + accumulation of each cell [kg/s]
-    real(wp), allocatable :: crossing(:,:,:,:)      !< what crosses faces of momentum cells: see momentum_cells
     real(wp), allocatable :: forces(:,:,:,:)        !< drag and its source with halos, (cell, 4)
     real(wp), allocatable :: velocity_before(:,:,:,:), pressure_before(:,:,:)
     type(wall_t) :: wall(2, 3, 3)                   !< (end, across b, component a)
@@ -199,7 +198,6 @@ contains
     allocate (state%source, source=state%velocity)
     allocate (state%mobility, source=state%velocity)
     allocate (state%velocity_before, source=state%velocity)
-    allocate (state%crossing(-1:n(1), -1:n(2), -1:n(3), 3), source=0.0_wp)
     allocate (state%imbalance(n(1), n(2), n(3)), source=0.0_wp)
     allocate (state%storage, source=state%imbalance)
     state%eps(1:n(1), 1:n(2), 1:n(3)) = 1.0_wp

@@ -9,7 +9,7 @@
 module momentum
   use gas_state, only: gas_state_t, wall_t, unit_step
   use kinds, only: wp
-  use momentum_cells, only: find_crossing, wall_conductance, wall_push
+  use momentum_cells, only: sweep_t, new_sweep, find_crossing, wall_conductance, wall_push
   use narrow_momentum, only: add_walls
   implicit none
   private
@@ -177,51 +177,92 @@ contains
 
     do a = 1, 3
       if (.not. state%stencil(a)%active) cycle
-      call start_rows(state, a)
+      call assemble_rows(state, a)
+      if (abs(state%driving%drop(a)) > 0.0_wp) then
+        associate (s => state%stencil(a), length => state%mesh%upper(a) - state%mesh%lower(a))
+          call drive(s%lo, s%n, a, state%driving%drop(a)/length*state%spacing(a)%gap, state%passage(:, :, :, a), s%rhs)
+        end associate
+      end if
       do b = 1, 3
-        call find_crossing(state, a, b)
-        call add_direction(state, a, b)
         call close_ends(state, a, b)
       end do
       call keep_given(state, a)
     end do
   end subroutine assemble_momentum
 
-  !> The rows without their neighbours.
-  subroutine start_rows(state, a)
+  !> All rows of one component, row of faces by row: what crosses the faces above a row (`above`) is still in the nearest
+  !> caches when it is wanted, and what crosses those below is kept from the row before and the plane before.
+  subroutine assemble_rows(state, a)
     class(gas_state_t), intent(inout) :: state
     integer, intent(in) :: a
 
-    integer :: lo(3), n(3)
+    type(sweep_t) :: sweep(3)
+    real(wp) :: above(-1:state%boxes%n(1), 3, 3)  !< (x, what, b)
+    real(wp) :: row_below(-1:state%boxes%n(1), 3)
+    real(wp) :: plane_below(-1:state%boxes%n(1), 3, state%first(2, a):state%boxes%n(2))
+    integer :: b, j, k
 
-    lo = state%first(:, a)
-    n = state%boxes%n
-    state%stencil(a)%centre(:, :, :) = state%fixed(lo(1):n(1), lo(2):n(2), lo(3):n(3), a)
-    state%stencil(a)%rhs(:, :, :) = state%source(lo(1):n(1), lo(2):n(2), lo(3):n(3), a)
-    call push(lo, n, a, state%passage(:, :, :, a), state%pressure, state%stencil(a)%rhs)
-    if (abs(state%driving%drop(a)) > 0.0_wp) then
-      call drive(lo, n, a, state%driving%drop(a)/(state%mesh%upper(a) - state%mesh%lower(a))*state%spacing(a)%gap, &
-                 state%passage(:, :, :, a), state%stencil(a)%rhs)
-    end if
-  end subroutine start_rows
-
-  !> rhs - a (p_above - p_below)
-  pure subroutine push(lo, n, a, passage, p, rhs)
-    integer, intent(in) :: lo(3), n(3), a
-    real(wp), intent(in), dimension(-1:n(1) + 2, -1:n(2) + 2, -1:n(3) + 2) :: passage, p
-    real(wp), intent(inout) :: rhs(lo(1):n(1), lo(2):n(2), lo(3):n(3))
-
-    integer :: i, j, k, e(3)
-
-    e = unit_step(a)
-    do k = lo(3), n(3)
+    sweep = [(new_sweep(state, a, b), b=1, 3)]
+    associate (s => state%stencil(a), lo => state%stencil(a)%lo, n => state%boxes%n)
       do j = lo(2), n(2)
-        do i = lo(1), n(1)
-          rhs(i, j, k) = rhs(i, j, k) - passage(i, j, k)*(p(i + e(1), j + e(2), k + e(3)) - p(i, j, k))
+        call find_crossing(state, sweep(3), [j, lo(3) - 1], plane_below(:, :, j))
+      end do
+      do k = lo(3), n(3)
+        call find_crossing(state, sweep(2), [lo(2) - 1, k], row_below)
+        do j = lo(2), n(2)
+          do b = 1, 3
+            call find_crossing(state, sweep(b), [j, k], above(:, :, b))
+          end do
+          call start_row(state, a, j, k)
+          call gather(lo(1), n(1), above, row_below, plane_below(:, :, j), s%low(:, :, j, k), s%high(:, :, j, k), &
+                      s%centre(:, j, k), s%rhs(:, j, k))
         end do
       end do
+    end associate
+  end subroutine assemble_rows
+
+  !> What a row has without its neighbours: rhs - a (p_above - p_below)
+  subroutine start_row(state, a, j, k)
+    class(gas_state_t), intent(inout) :: state
+    integer, intent(in) :: a, j, k
+
+    integer :: e(3)
+
+    e = unit_step(a)
+    associate (lo => state%stencil(a)%lo(1), n => state%boxes%n(1), p => state%pressure)
+      state%stencil(a)%centre(:, j, k) = state%fixed(lo:n, j, k, a)
+      state%stencil(a)%rhs(:, j, k) = state%source(lo:n, j, k, a) &
+        - state%passage(lo:n, j, k, a)*(p(lo + e(1):n + e(1), j + e(2), k + e(3)) - p(lo:n, j, k))
+    end associate
+  end subroutine start_row
+
+  !> Coefficients of the neighbours below and above a row of faces, which the diagonal gathers, and what the limiter adds to
+  !> the upwind flows in, less what it adds to those out. What was above the row is below the next.
+  pure subroutine gather(lo, n, above, row_below, plane_below, low, high, centre, rhs)
+    integer, intent(in) :: lo, n
+    real(wp), intent(in) :: above(-1:n, 3, 3)
+    real(wp), intent(inout), dimension(-1:n, 3) :: row_below, plane_below
+    real(wp), intent(out), dimension(lo:n, 3) :: low, high
+    real(wp), intent(inout), dimension(lo:n) :: centre, rhs
+
+    integer :: i
+
+    do i = lo, n
+      low(i, 1) = above(i - 1, 1, 1)
+      low(i, 2) = row_below(i, 1)
+      low(i, 3) = plane_below(i, 1)
+      high(i, 1) = above(i, 2, 1)
+      high(i, 2) = above(i, 2, 2)
+      high(i, 3) = above(i, 2, 3)
+      centre(i) = centre(i) + (low(i, 1) + high(i, 1)) + (low(i, 2) + high(i, 2)) + (low(i, 3) + high(i, 3))
+      rhs(i) = rhs(i) + (above(i - 1, 3, 1) - above(i, 3, 1)) + (row_below(i, 3) - above(i, 3, 2)) &
+        + (plane_below(i, 3) - above(i, 3, 3))
+      row_below(i, 1) = above(i, 1, 2)
+      row_below(i, 3) = above(i, 3, 2)
+      plane_below(i, 1) = above(i, 1, 3)
+      plane_below(i, 3) = above(i, 3, 3)
     end do
-  end subroutine push
+  end subroutine gather
 
   !> rhs + a dp, dp the part of the pressure drop along a periodic direction between two cells, see driving.
   pure subroutine drive(lo, n, a, drop, passage, rhs)
@@ -242,56 +283,6 @@ contains
     end do
   end subroutine drive
 
-  !> Neighbours below and above along b.
-  subroutine add_direction(state, a, b)
-    class(gas_state_t), intent(inout) :: state
-    integer, intent(in) :: a, b
-
-    associate (s => state%stencil(a))
-      call add_neighbours(s%lo, s%n, b, state%crossing, s%low(:, :, :, b), s%high(:, :, :, b), s%centre)
-      call add_limited(s%lo, s%n, b, state%crossing, s%rhs)
-    end associate
-  end subroutine add_direction
-
-  !> Coefficients of the neighbours, which the diagonal gathers.
-  pure subroutine add_neighbours(lo, n, b, crossing, low, high, centre)
-    integer, intent(in) :: lo(3), n(3), b
-    real(wp), intent(in) :: crossing(-1:n(1), -1:n(2), -1:n(3), 3)
-    real(wp), intent(out), dimension(lo(1):n(1), lo(2):n(2), lo(3):n(3)) :: low, high
-    real(wp), intent(inout) :: centre(lo(1):n(1), lo(2):n(2), lo(3):n(3))
-
-    integer :: i, j, k, s(3)
-
-    s = unit_step(b)
-    do k = lo(3), n(3)
-      do j = lo(2), n(2)
-        do i = lo(1), n(1)
-          low(i, j, k) = crossing(i - s(1), j - s(2), k - s(3), 1)
-          high(i, j, k) = crossing(i, j, k, 2)
-          centre(i, j, k) = centre(i, j, k) + (low(i, j, k) + high(i, j, k))
-        end do
-      end do
-    end do
-  end subroutine add_neighbours
-
-  !> What the limiter adds to the upwind flows in, less what it adds to those out.
-  pure subroutine add_limited(lo, n, b, crossing, rhs)
-    integer, intent(in) :: lo(3), n(3), b
-    real(wp), intent(in) :: crossing(-1:n(1), -1:n(2), -1:n(3), 3)
-    real(wp), intent(inout) :: rhs(lo(1):n(1), lo(2):n(2), lo(3):n(3))
-
-    integer :: i, j, k, s(3)
-
-    s = unit_step(b)
-    do k = lo(3), n(3)
-      do j = lo(2), n(2)
-        do i = lo(1), n(1)
-          rhs(i, j, k) = rhs(i, j, k) + (crossing(i - s(1), j - s(2), k - s(3), 3) - crossing(i, j, k, 3))
-        end do
-      end do
-    end do
-  end subroutine add_limited
-
   !> On the surface of the domain there is no neighbour: what comes in brings no momentum along the face, and what
   !> comes back through an open face none at all, so its flux stays in the diagonal and damps.
   subroutine close_ends(state, a, b)
@@ -305,13 +296,13 @@ contains
       do end = 1, 2
         if (.not. state%boundary%side(end, b)%mine) cycle
         call layer_along(state, a, b, end, lo, hi)
-        if (end == 1) s%low(lo(1):hi(1), lo(2):hi(2), lo(3):hi(3), b) = 0.0_wp
-        if (end == 2) s%high(lo(1):hi(1), lo(2):hi(2), lo(3):hi(3), b) = 0.0_wp
+        if (end == 1) s%low(lo(1):hi(1), b, lo(2):hi(2), lo(3):hi(3)) = 0.0_wp
+        if (end == 2) s%high(lo(1):hi(1), b, lo(2):hi(2), lo(3):hi(3)) = 0.0_wp
         if (b == a .or. state%mesh%n(b) == 1) cycle
         call bend_at(state, b, end, own, next)
         associate (centre => s%centre(lo(1):hi(1), lo(2):hi(2), lo(3):hi(3)), &
-                   inner_high => s%high(lo(1):hi(1), lo(2):hi(2), lo(3):hi(3), b), &
-                   inner_low => s%low(lo(1):hi(1), lo(2):hi(2), lo(3):hi(3), b), &
+                   inner_high => s%high(lo(1):hi(1), b, lo(2):hi(2), lo(3):hi(3)), &
+                   inner_low => s%low(lo(1):hi(1), b, lo(2):hi(2), lo(3):hi(3)), &
                    wall => state%wall(end, b, a)%conductance)
           centre = centre + next*wall
           if (end == 1) inner_high = inner_high + next*wall
@@ -351,8 +342,8 @@ contains
         do j = lo(2), hi(2)
           do i = lo(1), hi(1)
             if (state%free(i, j, k, a) > 0.0_wp) cycle
-            s%low(i, j, k, :) = 0.0_wp
-            s%high(i, j, k, :) = 0.0_wp
+            s%low(i, :, j, k) = 0.0_wp
+            s%high(i, :, j, k) = 0.0_wp
             s%centre(i, j, k) = state%fixed(i, j, k, a)
             s%rhs(i, j, k) = state%source(i, j, k, a)
           end do

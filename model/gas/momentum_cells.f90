@@ -9,98 +9,148 @@ module momentum_cells
   use kinds, only: wp
   implicit none
   private
-  public :: find_crossing, fill_beyond, wall_conductance, wall_push
+  public :: sweep_t, new_sweep, find_crossing, fill_beyond, continue_across, wall_conductance, wall_push
+
+  integer, parameter :: stretch = 128  !< faces of a row at a time, whose work stays in the nearest cache
 
   !> One pass over the faces across b of the momentum cells of component a.
   type :: sweep_t
+    private
     integer :: limiter
-    real(wp) :: viscosity     !< [Pa s]
-    integer :: lo(3), n(3)    !< first and last face
+    integer :: n(3)
     integer :: a, b
     integer :: e(3), s(3)     !< unit steps along a and b
     integer :: corner(3, 4)   !< offsets of the pressure cells whose void fraction counts
+    integer :: first          !< face along x
+    integer :: surface(2)     !< index along b of the faces on the low and the high surface of the domain
+    logical :: at_surface(2)  !< whether they are mine
     logical :: graded         !< the axis b
+    real(wp), allocatable :: along_x(:), along_y(:), along_z(:)  !< whose product is mu A/h/4 [kg/s]
+    real(wp), allocatable :: slope(:,:), lean(:,:)               !< see find_slopes
   end type sweep_t
 
 contains
 
-  !> What crosses the faces across b of the cells of component a.
-  subroutine find_crossing(state, a, b)
-    class(gas_state_t), intent(inout) :: state
+  function new_sweep(state, a, b) result(sweep)
+    class(gas_state_t), intent(in) :: state
     integer, intent(in) :: a, b
-
     type(sweep_t) :: sweep
+
     integer :: e(3), s(3)
 
     e = unit_step(a)
     s = unit_step(b)
     sweep%limiter = state%limiter
-    sweep%viscosity = state%viscosity
     sweep%n = state%boxes%n
-    sweep%lo = state%first(:, a)
-    sweep%lo(b) = 0
     sweep%a = a
     sweep%b = b
     sweep%e = e
     sweep%s = s
-    sweep%graded = .not. state%mesh%axis(b)%uniform
     ! the pressure cell that a face halves (b = a), or the four that meet at it
     if (a == b) sweep%corner = spread(e, 2, 4)
     if (a /= b) sweep%corner = reshape([0*e, e, s, e + s], [3, 4])
-    if (allocated(state%space)) then
-      call cross(sweep, state%spacing, state%eps, state%flux(:, :, :, b), state%velocity(:, :, :, a), state%crossing, &
-                 state%space%bridge(:, :, :, b, a))
-    else
-      call cross(sweep, state%spacing, state%eps, state%flux(:, :, :, b), state%velocity(:, :, :, a), state%crossing)
-    end if
-    call set_surface(state, a, b)
+    sweep%first = merge(0, state%first(1, a), b == 1)
+    sweep%surface = [merge(-1, 0, a == b), state%boxes%n(b)]
+    sweep%at_surface = state%boundary%side(:, b)%mine
+    sweep%graded = .not. state%mesh%axis(b)%uniform
+    allocate (sweep%along_x(0:sweep%n(1)), source=shape_of(sweep, state%spacing(1), 1))
+    allocate (sweep%along_y(0:sweep%n(2)), source=0.25_wp*state%viscosity*shape_of(sweep, state%spacing(2), 2))
+    allocate (sweep%along_z(0:sweep%n(3)), source=shape_of(sweep, state%spacing(3), 3))
+    if (sweep%graded) call find_slopes(sweep, state%spacing(b))
+  end function new_sweep
+
+  !> What crosses the faces (:, row) of a sweep: coefficients of the cell below for the one above (1) and the reverse (2),
+  !> and the momentum the limiter adds (3).
+  subroutine find_crossing(state, sweep, row, crossing)
+    class(gas_state_t), intent(in) :: state
+    type(sweep_t), intent(in) :: sweep
+    integer, intent(in) :: row(2)                     !< (y, z)
+    real(wp), intent(out) :: crossing(-1:sweep%n(1), 3)  !< (x, what), from the face below the first unknown if b = 1
+
+    integer :: end, place
+
+    associate (a => sweep%a, b => sweep%b, first => sweep%first, n => sweep%n)
+      place = dot_product(sweep%s(2:3), row)
+      if (b == 1 .or. .not. any(sweep%at_surface .and. sweep%surface == place)) then
+        if (allocated(state%space)) then
+          call cross(sweep, row, state%eps, state%flux(:, :, :, b), state%velocity(:, :, :, a), crossing, &
+                     state%space%bridge(:, :, :, b, a))
+        else
+          call cross(sweep, row, state%eps, state%flux(:, :, :, b), state%velocity(:, :, :, a), crossing)
+        end if
+      else
+        call cross_surface(sweep, first, n(1), row, state%flux(:, :, :, b), crossing)
+      end if
+      if (b /= 1) return
+      do end = 1, 2
+        if (sweep%at_surface(end)) &
+          call cross_surface(sweep, sweep%surface(end), sweep%surface(end), row, state%flux(:, :, :, b), crossing)
+      end do
+    end associate
   end subroutine find_crossing
 
-  !> The rows of faces of one sweep: coefficients of the cell below for the one above (1) and the reverse (2), and the
-  !> momentum the limiter adds (3).
-  pure subroutine cross(sweep, spacing, eps, flux, u, crossing, bridge)
+  !> Those between two cells.
+  pure subroutine cross(sweep, row, eps, flux, u, crossing, bridge)
     type(sweep_t), intent(in) :: sweep
-    type(spacing_t), intent(in) :: spacing(3)
+    integer, intent(in) :: row(2)
     real(wp), intent(in), dimension(-1:sweep%n(1) + 2, -1:sweep%n(2) + 2, -1:sweep%n(3) + 2) :: eps, flux, u
-    real(wp), intent(inout) :: crossing(-1:sweep%n(1), -1:sweep%n(2), -1:sweep%n(3), 3)
+    real(wp), intent(inout) :: crossing(-1:sweep%n(1), 3)
     real(wp), intent(in), optional :: bridge(-1:sweep%n(1), -1:sweep%n(2), -1:sweep%n(3))  !< see open_space
 
-    real(wp), dimension(sweep%lo(1):sweep%n(1)) :: flow, upper, step, extra, ease
-    real(wp) :: along_x(0:sweep%n(1)), along_y(0:sweep%n(2)), along_z(0:sweep%n(3)), mu, viscous
-    real(wp) :: slope(2, 0:sweep%n(sweep%b)), lean(2, 0:sweep%n(sweep%b))
-    integer :: i, j, k
+    real(wp), dimension(stretch) :: flow, upper, step, extra, ease
+    real(wp) :: mu, viscous
+    integer :: from, i, j, k, m, x
 
-    along_x = shape_of(sweep, spacing(1), 1)
-    along_y = shape_of(sweep, spacing(2), 2)
-    along_z = shape_of(sweep, spacing(3), 3)
-    if (sweep%graded) call find_slopes(sweep, spacing(sweep%b), slope, lean)
-    associate (e => sweep%e, s => sweep%s, c => sweep%corner, lo => sweep%lo, n => sweep%n)
-      do k = lo(3), n(3)
-        do j = lo(2), n(2)
-          do i = lo(1), n(1)
-            flow(i) = 0.5_wp*(flux(i, j, k) + flux(i + e(1), j + e(2), k + e(3)))
-            step(i) = u(i + s(1), j + s(2), k + s(3)) - u(i, j, k)
-            upper(i) = merge(u(i, j, k) - u(i - s(1), j - s(2), k - s(3)), &
-                             u(i + 2*s(1), j + 2*s(2), k + 2*s(3)) - u(i + s(1), j + s(2), k + s(3)), flow(i) > 0.0_wp)
-          end do
-          if (sweep%graded) call scale_row(sweep, j, k, slope, flow, upper)
-          call limited(sweep%limiter, n(1) - lo(1) + 1, upper, step, extra)
-          if (sweep%graded) call scale_row(sweep, j, k, lean, flow, extra)
-          mu = 0.25_wp*sweep%viscosity*along_y(j)*along_z(k)
-          ease = mu*along_x(lo(1):n(1))
-          if (present(bridge)) ease = ease*bridge(lo(1):n(1), j, k)
-          do i = lo(1), n(1)
-            viscous = ease(i)*(eps(i + c(1, 1), j + c(2, 1), k + c(3, 1)) &
-              + eps(i + c(1, 2), j + c(2, 2), k + c(3, 2)) + eps(i + c(1, 3), j + c(2, 3), k + c(3, 3)) &
-              + eps(i + c(1, 4), j + c(2, 4), k + c(3, 4)))
-            crossing(i, j, k, 1) = viscous + max(flow(i), 0.0_wp)
-            crossing(i, j, k, 2) = viscous + max(-flow(i), 0.0_wp)
-            crossing(i, j, k, 3) = abs(flow(i))*extra(i)
-          end do
+    j = row(1)
+    k = row(2)
+    mu = sweep%along_y(j)*sweep%along_z(k)
+    associate (e => sweep%e, s => sweep%s, c => sweep%corner)
+      do from = sweep%first, sweep%n(1), stretch
+        m = min(stretch, sweep%n(1) - from + 1)
+        do i = 1, m
+          x = from + i - 1
+          flow(i) = 0.5_wp*(flux(x, j, k) + flux(x + e(1), j + e(2), k + e(3)))
+          step(i) = u(x + s(1), j + s(2), k + s(3)) - u(x, j, k)
+          upper(i) = merge(u(x, j, k) - u(x - s(1), j - s(2), k - s(3)), &
+                           u(x + 2*s(1), j + 2*s(2), k + 2*s(3)) - u(x + s(1), j + s(2), k + s(3)), flow(i) > 0.0_wp)
+          ease(i) = mu*sweep%along_x(x)
+        end do
+        if (sweep%graded) call scale_row(sweep, from, row, sweep%slope, flow(:m), upper(:m))
+        call limited(sweep%limiter, m, upper, step, extra)
+        if (sweep%graded) call scale_row(sweep, from, row, sweep%lean, flow(:m), extra(:m))
+        if (present(bridge)) ease(:m) = ease(:m)*bridge(from:from + m - 1, j, k)
+        do i = 1, m
+          x = from + i - 1
+          viscous = ease(i)*(eps(x + c(1, 1), j + c(2, 1), k + c(3, 1)) &
+            + eps(x + c(1, 2), j + c(2, 2), k + c(3, 2)) + eps(x + c(1, 3), j + c(2, 3), k + c(3, 3)) &
+            + eps(x + c(1, 4), j + c(2, 4), k + c(3, 4)))
+          crossing(x, 1) = viscous + max(flow(i), 0.0_wp)
+          crossing(x, 2) = viscous + max(-flow(i), 0.0_wp)
+          crossing(x, 3) = abs(flow(i))*extra(i)
         end do
       end do
     end associate
   end subroutine cross
+
+  !> Those on the surface of the domain: friction is treated apart, the mass flow is that through the surface itself.
+  pure subroutine cross_surface(sweep, from, to, row, flux, crossing)
+    type(sweep_t), intent(in) :: sweep
+    integer, intent(in) :: from, to, row(2)
+    real(wp), intent(in) :: flux(-1:sweep%n(1) + 2, -1:sweep%n(2) + 2, -1:sweep%n(3) + 2)
+    real(wp), intent(inout) :: crossing(-1:sweep%n(1), 3)
+
+    integer :: i
+    real(wp) :: flow
+
+    associate (j => row(1), k => row(2), e => sweep%e)
+      do i = from, to
+        flow = 0.5_wp*(flux(i, j, k) + flux(i + e(1), j + e(2), k + e(3)))
+        crossing(i, 1) = max(flow, 0.0_wp)
+        crossing(i, 2) = max(-flow, 0.0_wp)
+        crossing(i, 3) = 0.0_wp
+      end do
+    end associate
+  end subroutine cross_surface
 
   !> What the grid along one direction contributes to A/h of the faces of a sweep; the product of the three is A/h.
   pure function shape_of(sweep, spacing, direction) result(factor)
@@ -130,70 +180,39 @@ contains
 
   !> On a graded axis, by which factor the difference upwind of a face is to be multiplied to be a slope over the
   !> distance across the face, and what the limiter adds for a face that is not half-way: from below (1), from above (2).
-  pure subroutine find_slopes(sweep, spacing, slope, lean)
-    type(sweep_t), intent(in) :: sweep
+  pure subroutine find_slopes(sweep, spacing)
+    type(sweep_t), intent(inout) :: sweep
     type(spacing_t), intent(in) :: spacing  !< along b
-    real(wp), intent(out), dimension(2, 0:sweep%n(sweep%b)) :: slope, lean
 
     real(wp) :: distance(-1:sweep%n(sweep%b) + 1)
     integer :: n
 
     n = sweep%n(sweep%b)
     distance = distances(sweep, spacing, -1, n + 1)
-    slope(1, :) = distance(0:n)/distance(-1:n - 1)
-    slope(2, :) = distance(0:n)/distance(1:n + 1)
-    lean = 1.0_wp
+    allocate (sweep%slope(2, 0:n), sweep%lean(2, 0:n))
+    sweep%slope(1, :) = distance(0:n)/distance(-1:n - 1)
+    sweep%slope(2, :) = distance(0:n)/distance(1:n + 1)
+    sweep%lean = 1.0_wp
     if (sweep%a == sweep%b) return
-    lean(1, :) = spacing%width(0:n)/distance(0:n)
-    lean(2, :) = spacing%width(1:n + 1)/distance(0:n)
+    sweep%lean(1, :) = spacing%width(0:n)/distance(0:n)
+    sweep%lean(2, :) = spacing%width(1:n + 1)/distance(0:n)
   end subroutine find_slopes
 
-  !> Multiply a row by the factors of its faces.
-  pure subroutine scale_row(sweep, j, k, factor, flow, row)
+  !> Multiply a stretch of a row by the factors of its faces.
+  pure subroutine scale_row(sweep, from, row, factor, flow, values)
     type(sweep_t), intent(in) :: sweep
-    integer, intent(in) :: j, k
+    integer, intent(in) :: from, row(2)
     real(wp), intent(in) :: factor(2, 0:sweep%n(sweep%b))
-    real(wp), intent(in) :: flow(sweep%lo(1):sweep%n(1))
-    real(wp), intent(inout) :: row(sweep%lo(1):sweep%n(1))
+    real(wp), intent(in) :: flow(:)
+    real(wp), intent(inout) :: values(:)
 
     integer :: i, m
 
-    do i = sweep%lo(1), sweep%n(1)
-      m = dot_product(sweep%s, [i, j, k])
-      row(i) = row(i)*merge(factor(1, m), factor(2, m), flow(i) > 0.0_wp)
+    do i = 1, size(values)
+      m = dot_product(sweep%s, [from + i - 1, row])
+      values(i) = values(i)*merge(factor(1, m), factor(2, m), flow(i) > 0.0_wp)
     end do
   end subroutine scale_row
-
-  !> Faces on the surface of the domain: friction is treated apart, the mass flow is that through the surface itself,
-  !> and only what comes in counts.
-  subroutine set_surface(state, a, b)
-    class(gas_state_t), intent(inout) :: state
-    integer, intent(in) :: a, b
-
-    integer :: end, i, j, k, lo(3), hi(3), e(3), face(3)
-    real(wp) :: inward
-
-    e = merge(0, 1, b == a)*unit_step(a)
-    do end = 1, 2
-      if (.not. state%boundary%side(end, b)%mine) cycle
-      lo = state%first(:, a)
-      hi = state%boxes%n
-      lo(b) = merge(merge(-1, 0, b == a), hi(b), end == 1)
-      hi(b) = lo(b)
-      face = merge(1, 0, end == 1 .and. b == a)*unit_step(b)
-      inward = 0.5_wp*(3 - 2*end)
-      do k = lo(3), hi(3)
-        do j = lo(2), hi(2)
-          do i = lo(1), hi(1)
-            state%crossing(i, j, k, end) = max(0.0_wp, inward &
-              *(state%flux(i + face(1), j + face(2), k + face(3), b) &
-                + state%flux(i + face(1) + e(1), j + face(2) + e(2), k + face(3) + e(3), b)))
-            state%crossing(i, j, k, 3) = 0.0_wp
-          end do
-        end do
-      end do
-    end do
-  end subroutine set_surface
 
   !> eps mu A/h over the part of the surface across b beside velocity a at `cell` on which the gas sticks [kg/s].
   pure function wall_conductance(state, a, b, end, cell) result(conductance)
@@ -249,36 +268,32 @@ contains
       do b = 1, 3
         do end = 1, 2
           if (.not. state%boundary%side(end, b)%mine) cycle
-          if (a == b) call continue_across(state, a, end)
+          if (a == b) call continue_across(state%boxes%n, a, end, state%velocity(:, :, :, a))
           if (a /= b) call continue_along(state, a, b, end)
         end do
       end do
     end do
   end subroutine fill_beyond
 
-  subroutine continue_across(state, a, end)
-    class(gas_state_t), intent(inout) :: state
-    integer, intent(in) :: a, end
+  !> Give the first layer of faces beyond the surface at one end of a what is on it.
+  pure subroutine continue_across(n, a, end, f)
+    integer, intent(in) :: n(3), a, end
+    real(wp), intent(inout) :: f(-1:n(1) + 2, -1:n(2) + 2, -1:n(3) + 2)
 
-    integer :: n
-
-    n = state%boxes%n(a)
-    associate (u => state%velocity)
-      select case (2*a + end)
-      case (3)
-        u(-1, :, :, a) = u(0, :, :, a)
-      case (4)
-        u(n + 1, :, :, a) = u(n, :, :, a)
-      case (5)
-        u(:, -1, :, a) = u(:, 0, :, a)
-      case (6)
-        u(:, n + 1, :, a) = u(:, n, :, a)
-      case (7)
-        u(:, :, -1, a) = u(:, :, 0, a)
-      case default
-        u(:, :, n + 1, a) = u(:, :, n, a)
-      end select
-    end associate
+    select case (2*a + end)
+    case (3)
+      f(-1, :, :) = f(0, :, :)
+    case (4)
+      f(n(1) + 1, :, :) = f(n(1), :, :)
+    case (5)
+      f(:, -1, :) = f(:, 0, :)
+    case (6)
+      f(:, n(2) + 1, :) = f(:, n(2), :)
+    case (7)
+      f(:, :, -1) = f(:, :, 0)
+    case default
+      f(:, :, n(3) + 1) = f(:, :, n(3))
+    end select
   end subroutine continue_across
 
   subroutine continue_along(state, a, b, end)

@@ -7,6 +7,7 @@
 module pressure_correction
   use gas_state, only: gas_state_t, unit_step
   use kinds, only: wp
+  use momentum_cells, only: continue_across
   implicit none
   private
   public :: prepare_faces, prepare_pressure, update_flux, find_imbalance, correct
@@ -114,11 +115,11 @@ contains
     call state%solver%set_matrix(state%flux)
   end subroutine prepare_pressure
 
-  !> Mass flow through all faces of the box and one layer around it.
+  !> Mass flow through all faces of the box and one layer around it; across the surface of the domain it goes on.
   subroutine update_flux(state)
     class(gas_state_t), intent(inout) :: state
 
-    integer :: a, i, j, k
+    integer :: a, i, j, k, end
 
     associate (n => state%boxes%n)
       do a = 1, 3
@@ -128,6 +129,9 @@ contains
               state%flux(i, j, k, a) = state%density*state%passage(i, j, k, a)*state%velocity(i, j, k, a)
             end do
           end do
+        end do
+        do end = 1, 2
+          if (state%boundary%side(end, a)%mine) call continue_across(n, a, end, state%flux(:, :, :, a))
         end do
       end do
     end associate

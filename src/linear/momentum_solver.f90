@@ -22,7 +22,7 @@ module momentum_solver
     logical :: active = .false.                            !< whether the component has any unknown in the domain
     integer :: lo(3) = 1
     integer :: n(3) = 0
-    real(wp), allocatable :: low(:,:,:,:), high(:,:,:,:)   !< (face, direction)
+    real(wp), allocatable :: low(:,:,:,:), high(:,:,:,:)   !< (x, direction, y, z)
     real(wp), allocatable :: centre(:,:,:), rhs(:,:,:)
     real(wp), allocatable :: change(:,:,:)                 !< rhs - A u of the last sweep
   contains
@@ -47,7 +47,7 @@ contains
     self%active = .true.
     self%lo = lo
     self%n = n
-    allocate (self%low(lo(1):n(1), lo(2):n(2), lo(3):n(3), 3), source=0.0_wp)
+    allocate (self%low(lo(1):n(1), 3, lo(2):n(2), lo(3):n(3)), source=0.0_wp)
     allocate (self%high, source=self%low)
     allocate (self%centre(lo(1):n(1), lo(2):n(2), lo(3):n(3)), source=1.0_wp)
     allocate (self%rhs(lo(1):n(1), lo(2):n(2), lo(3):n(3)), source=0.0_wp)
@@ -139,7 +139,7 @@ contains
   !> change = rhs - A u; its size and that of centre u are added to the sums.
   pure subroutine find_residual(lo, n, low, high, centre, rhs, u, change, sums)
     integer, intent(in) :: lo(3), n(3)
-    real(wp), intent(in), dimension(lo(1):n(1), lo(2):n(2), lo(3):n(3), 3) :: low, high
+    real(wp), intent(in), dimension(lo(1):n(1), 3, lo(2):n(2), lo(3):n(3)) :: low, high
     real(wp), intent(in), dimension(lo(1):n(1), lo(2):n(2), lo(3):n(3)) :: centre, rhs
     real(wp), intent(in) :: u(-1:n(1) + 2, -1:n(2) + 2, -1:n(3) + 2)
     real(wp), intent(out) :: change(lo(1):n(1), lo(2):n(2), lo(3):n(3))
@@ -156,9 +156,9 @@ contains
         do i = lo(1), n(1)
           own = centre(i, j, k)*u(i, j, k)
           change(i, j, k) = rhs(i, j, k) - own &
-            + low(i, j, k, 1)*u(i - 1, j, k) + high(i, j, k, 1)*u(i + 1, j, k) &
-            + low(i, j, k, 2)*u(i, j - 1, k) + high(i, j, k, 2)*u(i, j + 1, k) &
-            + low(i, j, k, 3)*u(i, j, k - 1) + high(i, j, k, 3)*u(i, j, k + 1)
+            + low(i, 1, j, k)*u(i - 1, j, k) + high(i, 1, j, k)*u(i + 1, j, k) &
+            + low(i, 2, j, k)*u(i, j - 1, k) + high(i, 2, j, k)*u(i, j + 1, k) &
+            + low(i, 3, j, k)*u(i, j, k - 1) + high(i, 3, j, k)*u(i, j, k + 1)
           off = off + abs(change(i, j, k))
           size = size + abs(own)
         end do
@@ -243,7 +243,7 @@ contains
   !> y = A x, rows divided by the diagonal; beyond the unknowns y stays as it is.
   pure subroutine multiply(lo, n, low, high, centre, x, y)
     integer, intent(in) :: lo(3), n(3)
-    real(wp), intent(in), dimension(lo(1):n(1), lo(2):n(2), lo(3):n(3), 3) :: low, high
+    real(wp), intent(in), dimension(lo(1):n(1), 3, lo(2):n(2), lo(3):n(3)) :: low, high
     real(wp), intent(in), dimension(lo(1):n(1), lo(2):n(2), lo(3):n(3)) :: centre
     real(wp), intent(in) :: x(-1:n(1) + 2, -1:n(2) + 2, -1:n(3) + 2)
     real(wp), intent(inout) :: y(-1:n(1) + 2, -1:n(2) + 2, -1:n(3) + 2)
@@ -253,9 +253,9 @@ contains
     do k = lo(3), n(3)
       do j = lo(2), n(2)
         do i = lo(1), n(1)
-          y(i, j, k) = x(i, j, k) - (low(i, j, k, 1)*x(i - 1, j, k) + high(i, j, k, 1)*x(i + 1, j, k) &
-            + low(i, j, k, 2)*x(i, j - 1, k) + high(i, j, k, 2)*x(i, j + 1, k) &
-            + low(i, j, k, 3)*x(i, j, k - 1) + high(i, j, k, 3)*x(i, j, k + 1))/centre(i, j, k)
+          y(i, j, k) = x(i, j, k) - (low(i, 1, j, k)*x(i - 1, j, k) + high(i, 1, j, k)*x(i + 1, j, k) &
+            + low(i, 2, j, k)*x(i, j - 1, k) + high(i, 2, j, k)*x(i, j + 1, k) &
+            + low(i, 3, j, k)*x(i, j, k - 1) + high(i, 3, j, k)*x(i, j, k + 1))/centre(i, j, k)
         end do
       end do
     end do
