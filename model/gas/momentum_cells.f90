@@ -64,8 +64,8 @@ contains
   subroutine find_crossing(state, sweep, row, crossing)
     class(gas_state_t), intent(in) :: state
     type(sweep_t), intent(in) :: sweep
-    integer, intent(in) :: row(2)                     !< (y, z)
-    real(wp), intent(out) :: crossing(-1:sweep%n(1), 3)  !< (x, what), from the face below the first unknown if b = 1
+    integer, intent(in) :: row(2)                        !< (y, z)
+    real(wp), intent(out) :: crossing(-1:sweep%n(1), 3)  !< (x, what)
 
     integer :: end, place
 
@@ -83,8 +83,8 @@ contains
       end if
       if (b /= 1) return
       do end = 1, 2
-        if (sweep%at_surface(end)) &
-          call cross_surface(sweep, sweep%surface(end), sweep%surface(end), row, state%flux(:, :, :, b), crossing)
+        if (.not. sweep%at_surface(end)) cycle
+        call cross_surface(sweep, sweep%surface(end), sweep%surface(end), row, state%flux(:, :, :, b), crossing)
       end do
     end associate
   end subroutine find_crossing
@@ -115,7 +115,7 @@ contains
           beyond(i) = u(x + 2*s(1), j + 2*s(2), k + 2*s(3)) - u(x + s(1), j + s(2), k + s(3))
           ease(i) = mu*sweep%along_x(x)
         end do
-        do i = 1, m  ! apart: loads under a condition are no vector loads
+        do i = 1, m  ! on their own: loaded under a condition they would be gathered one by one
           upper(i) = merge(before(i), beyond(i), flow(i) > 0.0_wp)
         end do
         if (sweep%graded) call scale_row(sweep, from, row, sweep%slope, flow(:m), upper(:m))
