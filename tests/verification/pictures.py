@@ -146,6 +146,19 @@ def crossing(rows, curves):
     return figure
 
 
+def balance(rows, curves):
+    figure, axis = plt.subplots(figsize=(3.2, 2.7))
+    asked, cells, _ = series(curves, "balance_cells")
+    _, whole, _ = series(curves, "balance_whole")
+    axis.loglog(asked, asked, color=EXACT, lw=0.8, label="tolerance")
+    axis.loglog(asked, cells, "o-", ms=3, color=OURS, label="sum of the cells'")
+    axis.loglog(asked, whole, "s-", ms=3, color="#7fb2da", label="whole vessel's")
+    axis.loglog(*series(curves, "balance_floor")[:2], "o", ms=5, mfc="none", color=OURS, label="asked for 1e-15")
+    axis.set(xlabel="tolerance", ylabel="imbalance of mass over the inflow")
+    axis.legend(fontsize=6)
+    return figure
+
+
 def errors(rows, curves):
     """Every row that has a peer: our error and MFIX's, both over MFIX's, and the half that is allowed. Cut at a thousandth."""
     compared = [row for row in rows if row["peer"]]
@@ -180,7 +193,8 @@ def draw(rows, curves, folder):
     """All pictures; their paths. The same rows and curves give the same bytes."""
     folder.mkdir(exist_ok=True)
     with plt.rc_context(STYLE):
-        for make in (errors, fall, squeezed, oblique, chung_ooi, order, manufactured, cavity, cooling, shear, crossing):
+        for make in (errors, fall, squeezed, oblique, chung_ooi, order, manufactured, cavity, cooling, shear, crossing,
+                     balance):
             path = folder / f"{make.__name__}.png"
             figure = make(rows, curves)
             figure.savefig(path, metadata={"Software": None})
