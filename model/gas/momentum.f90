@@ -202,7 +202,9 @@ contains
     real(wp) :: plane_below(-1:state%boxes%n(1), 3, state%first(2, a):state%boxes%n(2))
     integer :: b, j, k
 
-    sweep = [(new_sweep(state, a, b), b=1, 3)]
+    do b = 1, 3
+      call new_sweep(state, a, b, sweep(b))
+    end do
     associate (s => state%stencil(a), lo => state%stencil(a)%lo, n => state%boxes%n)
       do j = lo(2), n(2)
         call find_crossing(state, sweep(3), [j, lo(3) - 1], plane_below(:, :, j))

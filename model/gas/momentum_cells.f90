@@ -31,10 +31,11 @@ module momentum_cells
 
 contains
 
-  function new_sweep(state, a, b) result(sweep)
+  !> Filled in place: gfortran 12 loses the memory of an array made from function results.
+  subroutine new_sweep(state, a, b, sweep)
     class(gas_state_t), intent(in) :: state
     integer, intent(in) :: a, b
-    type(sweep_t) :: sweep
+    type(sweep_t), intent(out) :: sweep
 
     integer :: e(3), s(3)
 
@@ -57,7 +58,7 @@ contains
     allocate (sweep%along_y(0:sweep%n(2)), source=0.25_wp*state%viscosity*shape_of(sweep, state%spacing(2), 2))
     allocate (sweep%along_z(0:sweep%n(3)), source=shape_of(sweep, state%spacing(3), 3))
     if (sweep%graded) call find_slopes(sweep, state%spacing(b))
-  end function new_sweep
+  end subroutine new_sweep
 
   !> What crosses the faces (:, row) of a sweep: coefficients of the cell below for the one above (1) and the reverse (2),
   !> and the momentum the limiter adds (3).

@@ -133,7 +133,7 @@ contains
       u(j) = 2 + 30*gas%mesh%axis(2)%in_metres(j - merge(o, 0.5_wp, a == 2))
       gas%velocity(:, j, :, a) = u(j)
     end do
-    sweep = new_sweep(gas, a, 2)
+    call new_sweep(gas, a, 2, sweep)
     worst = o
     do j = 2, 6
       call find_crossing(gas, sweep, [j, 2], crossing)
