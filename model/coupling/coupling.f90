@@ -4,7 +4,7 @@
 !>
 !>   m dv/dt = m g - V grad p + beta (u - v),    beta = 3 pi mu d eps F(Re, eps),    Re = rho eps |u - v| d/mu,
 !>
-!> with the void fraction eps and the gas velocity u taken from the cells by the weights w_c of module mapping;
+!> with the void fraction eps, the gas velocity u and its density rho taken from the cells by the weights w_c of module mapping;
 !> W particles make a parcel. The void fraction of a cell is eps = 1 - sum w_c W V/V_cell.
 !>
 !> How a particle answers drag over a step, and why no step is too long, is told in drag_response: its mean drag is
@@ -39,7 +39,7 @@ module coupling
   integer, parameter :: duration_row = before_row + 3  !< of parcels%coupled: length of the last gas step, 0 if none [s]
 
   ! Components of the field that parcels read.
-  integer, parameter :: eps_lane = 1, velocity_lane = 2, gradient_lane = 5
+  integer, parameter :: eps_lane = 1, velocity_lane = 2, gradient_lane = 5, density_lane = 8
   ! Components of the field that parcels add to: 1:3 beta_eff v_hat, 4 beta_eff.
   integer, parameter :: coefficient_lane = 4
 
@@ -107,7 +107,7 @@ contains
     self%mesh = mesh
     self%boxes = boxes
     self%minimum_void_fraction = settings%minimum_void_fraction
-    self%drag_law = new_drag(settings, gas_settings%density, gas_settings%viscosity)
+    self%drag_law = new_drag(settings, gas_settings%density, gas_settings%viscosity, gas_settings%density_law == 'ideal')
     self%gravity = gravity
     associate (n => boxes%n)
       allocate (self%box_field(lanes, n(1), n(2), n(3)), source=0.0_wp)
@@ -275,6 +275,7 @@ contains
     self%box_field(velocity_lane:velocity_lane + 2, :, :, :) = self%box_vector
     call gas%cell_pressure_gradient(self%box_vector)
     self%box_field(gradient_lane:gradient_lane + 2, :, :, :) = self%box_vector
+    if (allocated(gas%ideal)) self%box_field(density_lane, :, :, :) = gas%ideal%density(1:n(1), 1:n(2), 1:n(3))
     if (allocated(self%weights)) call self%weights%narrow(self%box_field)
     if (allocated(self%spreading)) call self%spreading%take(lanes, self%box_field)
     call self%transfer%gather(lanes, self%box_field, self%field)
@@ -297,6 +298,7 @@ contains
         error stop 'coupling: a parcel reads cells that its rank does not hold'
       end if
       call meet(parcels, self%gravity, first, n, value, particles)
+      if (self%drag_law%density_varies) particles%density(:n) = value(density_lane, :n)
       if (allocated(self%sizes)) then
         particles%mean_diameter(:n) = self%sizes%mean(first:first + n - 1)
         particles%spread(:n) = self%sizes%spread(first:first + n - 1)

@@ -65,7 +65,8 @@ module drag_response
     private
     type(drag_law_t) :: law
     character(len=word_length) :: polydispersity  !< 'none', or by which law sizes matter
-    real(wp) :: density    !< [kg/m3]
+    logical, public :: density_varies  !< whether each particle meets a density of its own
+    real(wp) :: density    !< if not [kg/m3]
     real(wp) :: viscosity  !< dynamic [Pa s]
   contains
     procedure :: respond
@@ -77,6 +78,7 @@ module drag_response
     real(wp) :: diameter(block)             !< d [m]
     real(wp) :: inverse_mass(block)         !< 1/m [1/kg]
     real(wp) :: eps(block)                  !< void fraction [-]
+    real(wp) :: density(block)              !< of the gas, if it varies [kg/m3]
     real(wp) :: slip(3, block)              !< u - v at the start of the step [m/s]
     real(wp) :: acceleration(3, block)      !< a, by all but drag and its pressure gradient [m/s2]
     real(wp) :: mean_diameter(block)        !< of the particles around, <d>, with polydispersity only [m]
@@ -87,14 +89,17 @@ module drag_response
 
 contains
 
-  function new_drag(settings, density, viscosity) result(drag)
+  function new_drag(settings, density, viscosity, density_varies) result(drag)
     type(coupling_settings_t), intent(in) :: settings
     real(wp), intent(in) :: density         !< of the gas [kg/m3]
     real(wp), intent(in) :: viscosity       !< dynamic [Pa s]
+    logical, intent(in), optional :: density_varies  !< each particle brings its own instead; not unless given
     type(drag_t) :: drag
 
     drag%law = new_drag_law(trim(settings%drag), settings%syamlal_c1, settings%syamlal_d1)
     drag%polydispersity = settings%polydispersity
+    drag%density_varies = .false.
+    if (present(density_varies)) drag%density_varies = density_varies
     drag%density = density
     drag%viscosity = viscosity
   end function new_drag
@@ -152,6 +157,13 @@ contains
 
     integer :: i
 
+    if (self%density_varies) then
+      do i = 1, particles%n
+        reynolds(i) = particles%density(i)/self%viscosity*particles%eps(i)*diameter(i) &
+          *sqrt(slip(1, i)**2 + slip(2, i)**2 + slip(3, i)**2)
+      end do
+      return
+    end if
     do i = 1, particles%n
       reynolds(i) = self%density/self%viscosity*particles%eps(i)*diameter(i) &
         *sqrt(slip(1, i)**2 + slip(2, i)**2 + slip(3, i)**2)

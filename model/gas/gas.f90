@@ -6,9 +6,10 @@
 module gas
   use boundary_settings, only: boundary_settings_t
   use boxes, only: boxes_t
+  use gas_density, only: balance_pressure => balance, let_vary
   use gas_numerics, only: gas_numerics_t
   use gas_settings, only: gas_settings_t
-  use gas_state, only: gas_state_t, gas_report_t, create_state, unit_step
+  use gas_state, only: gas_state_t, gas_report_t, create_state, find_density, unit_step
   use kinds, only: wp
   use mesh, only: mesh_t
   use open_space, only: open_space_t
@@ -22,6 +23,7 @@ module gas
 
   type, extends(gas_state_t) :: gas_t
   contains
+    procedure :: balance
     procedure :: advance
     procedure :: accept
     procedure :: reject
@@ -48,7 +50,16 @@ contains
     type(open_space_t), intent(in), optional :: space  !< that walls leave; all of the domain if not given
 
     call create_state(boxes, mesh, settings, records, numerics, gas, outcome, space)
+    if (outcome%failed()) return
+    if (settings%density_law == 'ideal') call let_vary(gas, settings, records)
   end subroutine new_gas
+
+  !> With the gravity set, before the first step: an ideal gas begins at rest, with the pressure that carries its weight.
+  subroutine balance(self)
+    class(gas_t), intent(inout) :: self
+
+    if (allocated(self%ideal)) call balance_pressure(self)
+  end subroutine balance
 
   !> One implicit step. Without convergence velocity and pressure are as before.
   subroutine advance(self, dt, converged)
@@ -198,6 +209,7 @@ contains
     end associate
     call self%halo%exchange(self%pressure)
     call self%halo%exchange_many(self%velocity)
+    if (allocated(self%ideal)) call find_density(self)
     call self%accept()
   end subroutine import_state
 

@@ -21,7 +21,7 @@ module gas_state
   use pressure_solver, only: pressure_solver_t
   implicit none
   private
-  public :: gas_state_t, gas_report_t, wall_t, spacing_t, create_state, unit_step
+  public :: gas_state_t, gas_report_t, wall_t, spacing_t, create_state, find_density, unit_step
 
   !> What the last step did. Mass flows are means over the step, over all ranks.
   type :: gas_report_t
@@ -65,6 +65,19 @@ module gas_state
     real(wp), allocatable :: gap(:)    !< (-1:n+1) between the centres of a cell and the next one [m]
   end type spacing_t
 
+  !> A density that follows the pressure: see gas_density.
+  type :: ideal_gas_t
+    real(wp) :: compressibility           !< psi, density over absolute pressure [kg/(m3 Pa)]
+    real(wp) :: reference                 !< absolute pressure where the pressure is 0 [Pa]
+    real(wp) :: dt                        !< length of the step [s]
+    real(wp) :: least                     !< density of any cell of any rank [kg/m3]
+    real(wp), allocatable :: density(:,:,:)   !< of cells, at the pressure at hand [kg/m3]
+    real(wp), allocatable :: old(:,:,:)       !< and at the start of the step
+    real(wp), allocatable :: face(:,:,:,:)    !< of faces [kg/m3]
+    real(wp), allocatable :: capacity(:,:,:)  !< (n1,n2,n3) of a cell, eps V psi/(dt rho) [m3/(s Pa)]
+    logical, allocatable :: by_mass(:)        !< (0:records) whether the mass flow of a &boundary is given
+  end type ideal_gas_t
+
   type :: gas_state_t
     type(boxes_t) :: boxes
     type(mesh_t) :: mesh
@@ -74,8 +87,10 @@ module gas_state
     type(gas_numerics_t) :: numerics
     type(gas_report_t) :: report
     type(driving_t) :: driving
+    type(ideal_gas_t), allocatable :: ideal         !< exists if the density varies
+    logical :: floating                             !< nothing gives the level of the pressure
     real(wp) :: time = 0.0_wp                       !< at the start of the step; its owner sets it where inflows change [s]
-    real(wp) :: density                             !< [kg/m3]
+    real(wp) :: density                             !< of an ideal gas at the pressure of &gas [kg/m3]
     real(wp) :: viscosity                           !< dynamic [Pa s]
     real(wp) :: gravity(3) = 0.0_wp                 !< [m/s2]; its owner sets it before the first step
     integer :: limiter
@@ -144,10 +159,11 @@ contains
     end do
     state%pressure = settings%pressure
     call set_outer_pressure(state)
+    state%floating = .not. state%boundary%any_open .and. settings%density_law == 'constant'
     if (present(space)) then
-      call state%solver%create(boxes, .not. state%boundary%any_open, state%level_cell, space%closed)
+      call state%solver%create(boxes, state%floating, state%level_cell, space%closed)
     else
-      call state%solver%create(boxes, .not. state%boundary%any_open, state%level_cell)
+      call state%solver%create(boxes, state%floating, state%level_cell)
     end if
   end subroutine create_state
 
@@ -274,6 +290,13 @@ contains
       end do
     end do
   end subroutine set_outer_pressure
+
+  !> The density of an ideal gas, in all cells, at the pressure at hand.
+  pure subroutine find_density(state)
+    class(gas_state_t), intent(inout) :: state
+
+    state%ideal%density = state%ideal%compressibility*(state%ideal%reference + state%pressure)
+  end subroutine find_density
 
   pure function unit_step(a) result(e)
     integer, intent(in) :: a

@@ -7,6 +7,7 @@
 !> sum of the neighbours. Convection is upwind in the matrix, the limiter's addition in the right-hand side.
 !> The viscous stress is eps mu grad u (Laplacian form). Drag B u - S comes from the cells on both sides of a face.
 module momentum
+  use gas_density, only: add_inertia, add_weight
   use gas_state, only: gas_state_t, wall_t, unit_step
   use kinds, only: wp
   use momentum_cells, only: sweep_t, new_sweep, find_crossing, wall_conductance, wall_push
@@ -60,6 +61,7 @@ contains
       call set_fixed(state, a, dt)
       call add_friction(state, a)
       if (allocated(state%space)) call add_walls(state, a)
+      if (allocated(state%ideal)) call add_inertia(state, a)
       call set_mobility(state, a)
     end do
   end subroutine prepare_momentum
@@ -178,6 +180,7 @@ contains
     do a = 1, 3
       if (.not. state%stencil(a)%active) cycle
       call assemble_rows(state, a)
+      if (allocated(state%ideal)) call add_weight(state, a)
       if (abs(state%driving%drop(a)) > 0.0_wp) then
         associate (s => state%stencil(a), length => state%mesh%upper(a) - state%mesh%lower(a))
           call drive(s%lo, s%n, a, state%driving%drop(a)/length*state%spacing(a)%gap, state%passage(:, :, :, a), s%rhs)

@@ -3,7 +3,8 @@
 !>   rho V (eps - eps_old)/dt + sum of G_out = 0,    G = rho a u,    a = eps_f A
 !>
 !> A pressure correction p' changes the velocities by u' = -d (p'_above - p'_below); put into the continuity
-!> equation it gives sum over faces of c (p' - p'_beyond) = -imbalance with c = rho a d.
+!> equation it gives sum over faces of c (p' - p'_beyond) = -imbalance with c = rho a d. The density of an ideal gas grows
+!> with p': see gas_density.
 module pressure_correction
   use gas_state, only: gas_state_t, unit_step
   use kinds, only: wp
@@ -108,6 +109,12 @@ contains
     integer :: a
 
     ! the fluxes are made anew right after: their storage serves for the coefficients
+    if (allocated(state%ideal)) then
+      state%flux = state%passage*state%mobility
+      call state%halo%exchange_many(state%flux)
+      call state%solver%set_matrix(state%flux, state%ideal%capacity)
+      return
+    end if
     do a = 1, 3
       state%flux(:, :, :, a) = state%density*state%passage(:, :, :, a)*state%mobility(:, :, :, a)
     end do
@@ -121,6 +128,10 @@ contains
 
     integer :: a, i, j, k, end
 
+    if (allocated(state%ideal)) then
+      state%flux = state%ideal%face*state%passage*state%velocity
+      return
+    end if
     associate (n => state%boxes%n)
       do a = 1, 3
         do k = 0, n(3) + 1
@@ -172,6 +183,7 @@ contains
     call state%solver%solve(state%imbalance, reduction, state%correction, iterations)
     state%report%pressure_iterations = state%report%pressure_iterations + iterations
     call state%halo%exchange(state%correction)
+    if (allocated(state%ideal)) state%correction = state%correction/state%ideal%density
     do a = 1, 3
       if (.not. state%stencil(a)%active) cycle
       e = unit_step(a)
@@ -211,7 +223,7 @@ contains
         end do
       end do
       level = 0.0_wp
-      if (.not. state%boundary%any_open) then
+      if (state%floating) then
         ! nothing gives the level of the pressure: one cell of the grid keeps its own
         associate (c => state%level_cell)
           if (all(c >= 1 .and. c <= n)) level = p(c(1), c(2), c(3))

@@ -7,7 +7,8 @@ module simple_step
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use driving, only: find_responses, keep_flow
   use gas_boundary, only: set_inflow
-  use gas_state, only: gas_state_t, gas_report_t, unit_step
+  use gas_density, only: begin_density, follow_pressure, heed_round_off, pressed_flow
+  use gas_state, only: gas_state_t, gas_report_t, find_density, unit_step
   use kinds, only: wp
   use momentum, only: prepare_momentum, assemble_momentum
   use momentum_cells, only: fill_beyond
@@ -73,6 +74,7 @@ contains
     call state%halo%exchange(state%eps)
     call state%halo%exchange_many(state%forces)
     call prepare_faces(state, dt)
+    if (allocated(state%ideal)) call begin_density(state, dt)
     call prepare_momentum(state, dt)
     call prepare_pressure(state)
     call state%halo%exchange_many(state%velocity)
@@ -82,11 +84,12 @@ contains
     state%report%mass_scale = mass_scale(state, dt)
     mass = find_imbalance(state)
     force_scale = state%boxes%comm%sum(sum(abs(state%source)))
+    if (allocated(state%ideal)) call heed_round_off(state, force_scale)
   end subroutine begin_step
 
   !> What mass residuals are measured by: the inflow; without one the flow that goes round or is asked for, the gas that
-  !> moving particles push, or what gravity and pressure drop would set in motion in one step if nothing held it, whichever
-  !> is largest [kg/s].
+  !> moving particles push, or what gravity and pressure drop would set in motion in one step if nothing held it, as would the
+  !> pressure of an ideal gas, whichever is largest [kg/s].
   function mass_scale(state, dt) result(scale)
     class(gas_state_t), intent(in) :: state
     real(wp), intent(in) :: dt
@@ -107,6 +110,7 @@ contains
         face = product(extent/m%n)/(extent/m%n)
         scale = max(maxval(flows), maxval(state%density*face*abs(state%gravity)*dt))
         scale = max(scale, maxval(abs(driving%flow)), maxval(face*abs(driving%drop)/extent*dt))
+        if (allocated(state%ideal)) scale = max(scale, maxval(pressed_flow(state)))
       end associate
     end associate
   end function mass_scale
@@ -159,12 +163,13 @@ contains
     end if
     call correct(state, reduction)
     call keep_flow(state)
+    if (allocated(state%ideal)) call follow_pressure(state)
     call fill_beyond(state)
     call update_flux(state)
     mass = find_imbalance(state)
   end subroutine correct_pressure
 
-  !> Whether a step cannot be saved: not a number, or far away.
+  !> Whether a step cannot be saved: not a number, or far away, or a vacuum.
   pure function lost(state)
     class(gas_state_t), intent(in) :: state
     logical :: lost
@@ -172,6 +177,7 @@ contains
     associate (mass => state%report%mass_residual, momentum => state%report%momentum_residual)
       lost = is_not_a_number(mass) .or. is_not_a_number(momentum)
       if (.not. lost) lost = state%report%iterations > 1 .and. mass > hopeless
+      if (allocated(state%ideal) .and. .not. lost) lost = .not. state%ideal%least > 0.0_wp
     end associate
   end function lost
 
@@ -202,6 +208,7 @@ contains
     state%velocity = state%velocity_before
     state%pressure = state%pressure_before
     state%driving%drop = state%driving%drop_before
+    if (allocated(state%ideal)) call find_density(state)
   end subroutine restore_state
 
   !> The mass balance of the whole domain over the step, from the fluxes themselves.

@@ -64,13 +64,17 @@ contains
                          'is more than a quarter of the domain, '//brief(longest)//' m long')
   end subroutine check_width
 
-  !> An incompressible gas that flows in must flow out.
+  !> A gas of constant density that flows in must flow out, and pressures are above 0 in an ideal one.
   subroutine check_flow(case, keys)
     type(case_t), intent(in) :: case
     type(keys_t), intent(inout) :: keys
 
     integer :: i
 
+    if (case%gas%density_law == 'ideal') then
+      call check_pressures(case, keys)
+      return
+    end if
     if (any([(case%boundaries(i)%kind == 'outflow', i=1, size(case%boundaries))])) return
     do i = 1, size(case%boundaries)
       if (case%boundaries(i)%kind /= 'inflow') cycle
@@ -78,6 +82,22 @@ contains
       return
     end do
   end subroutine check_flow
+
+  !> An ideal gas has no density where its absolute pressure is not above 0.
+  subroutine check_pressures(case, keys)
+    type(case_t), intent(in) :: case
+    type(keys_t), intent(inout) :: keys
+
+    integer :: i
+
+    do i = 1, size(case%boundaries)
+      if (.not. is_set(case%boundaries(i)%pressure)) cycle
+      associate (absolute => case%gas%reference_pressure + case%boundaries(i)%pressure)
+        call keys%require_at(absolute > 0, 'boundary', i, 'pressure', &
+                             'of an ideal gas, with reference_pressure of &gas, must be above 0, not '//shown(absolute)//' Pa')
+      end associate
+    end do
+  end subroutine check_pressures
 
   !> Only a periodic direction is driven by a pressure drop of its own.
   subroutine check_driving(case, keys)
@@ -191,6 +211,8 @@ contains
     integer :: i
 
     do i = 1, size(case%monitors)
+      call keys%require_at(case%monitors(i)%quantity /= 'gas_density' .or. case%gas%density_law == 'ideal', 'monitor', i, &
+                           'quantity', 'is the same everywhere: density of &gas')
       if (.not. has_box(case%monitors(i)%lower, case%monitors(i)%upper)) cycle
       call keys%require_at(is_inside(case, case%monitors(i)%lower, case%monitors(i)%upper), 'monitor', i, '', &
                            'reaches out of the domain')

@@ -4,6 +4,7 @@ module case_description
   use constants, only: is_set
   use contact_description, only: describe_contact
   use contact_settings, only: contact_settings_t
+  use gas_settings, only: gas_settings_t, compressibility
   use kinds, only: wp
   use mapping, only: mapping_variance
   use outcome, only: outcome_t
@@ -46,7 +47,7 @@ contains
       return
     end if
     associate (domain => case%domain, step => case%gas_numerics%time_step)
-      call line(unit, 'gas', shown(case%gas%density)//' kg/m3, '//shown(case%gas%viscosity)//' Pa s')
+      call line(unit, 'gas', density_words(case%gas)//', '//shown(case%gas%viscosity)//' Pa s')
       call line(unit, 'grid', by(real(domain%cells, wp))//' = '//shown(product(domain%cells))//' cells of ' &
                 //by(domain%axis%finest)//' m')
       if (.not. all(domain%axis%uniform)) call line(unit, '', 'up to '//by(domain%axis%coarsest)//' m')
@@ -67,6 +68,16 @@ contains
       end associate
     end associate
   end subroutine describe_gas
+
+  pure function density_words(gas) result(words)
+    type(gas_settings_t), intent(in) :: gas
+    character(len=:), allocatable :: words
+
+    words = shown(gas%density)//' kg/m3'
+    if (gas%density_law /= 'ideal') return
+    words = 'ideal, '//brief(gas%density)//' kg/m3 at '//shown(gas%reference_pressure + gas%pressure)//' Pa and ' &
+      //shown(gas%temperature)//' K, sound at '//brief(1/sqrt(compressibility(gas)))//' m/s'
+  end function density_words
 
   subroutine describe_boundaries(case, unit)
     type(case_t), intent(in) :: case

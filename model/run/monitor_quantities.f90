@@ -16,11 +16,12 @@ module monitor_quantities
   !> Regions. For parcels a point, a line and a plane are one gas cell thick.
   character(len=5), parameter :: monitor_kinds(4) = ['point', 'line ', 'plane', 'box  ']
 
-  type(quantity_t), parameter :: quantities(17) = [ &
+  type(quantity_t), parameter :: quantities(18) = [ &
     quantity_t('pressure', 'Pa', 1, .true., .false., 'gas pressure'), &
     quantity_t('void_fraction', '1', 1, .true., .false., 'volume fraction of the gas'), &
     quantity_t('gas_velocity', 'm/s', 3, .true., .false., 'velocity of the gas between the particles'), &
     quantity_t('superficial_velocity', 'm/s', 3, .true., .false., 'void fraction times gas velocity'), &
+    quantity_t('gas_density', 'kg/m3', 1, .true., .false., 'density of an ideal gas'), &
     quantity_t('gas_mass_flux', 'kg/s', 1, .true., .true., 'gas through the plane'), &
     quantity_t('solids_volume_fraction', '1', 1, .false., .false., &
     'volume of the particles whose parcel has its centre in the region, over its volume'), &

@@ -2,7 +2,7 @@
 !>
 !>   call monitors%create(settings, interval, mesh, series, after, boxes)
 !>   if (monitors%any_due(time)) then
-!>     call monitors%measure_gas(pressure, eps, velocity, flux)
+!>     call monitors%measure_gas(pressure, eps, velocity, flux, density)
 !>     call monitors%measure_parcels(position, velocity, inverse_mass, diameter, weight)
 !>     call monitors%record(time, comm, series)
 !>   end if
@@ -121,12 +121,13 @@ contains
   end function any_due
 
   !> Measure the gas in my box; all fields have two layers of halo.
-  subroutine measure_gas(self, pressure, eps, velocity, flux)
+  subroutine measure_gas(self, pressure, eps, velocity, flux, density)
     class(monitors_t), intent(inout) :: self
     real(wp), intent(in) :: pressure(-1:, -1:, -1:)     !< [Pa]
     real(wp), intent(in) :: eps(-1:, -1:, -1:)          !< void fraction [-]
     real(wp), intent(in) :: velocity(-1:, -1:, -1:, :)  !< (face above the cell, component) [m/s]
     real(wp), intent(in) :: flux(-1:, -1:, -1:, :)      !< mass flow through the same faces [kg/s]
+    real(wp), intent(in), optional :: density(-1:, -1:, -1:)  !< if it varies [kg/m3]
 
     integer :: i, s
 
@@ -143,6 +144,8 @@ contains
             m%sums(1:3, s) = mean_velocity(m%samples(s), velocity)
           case ('superficial_velocity')
             m%sums(1:3, s) = mean_velocity(m%samples(s), velocity, eps)
+          case ('gas_density')
+            m%sums(1, s) = weighted_sum(m%samples(s), density)
           case ('gas_mass_flux')
             m%sums(1, s) = weighted_sum(m%samples(s), flux(:, :, :, m%normal))
           case default

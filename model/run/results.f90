@@ -246,7 +246,15 @@ contains
     class(results_t), intent(inout) :: self
     type(scene_t), intent(in) :: scene
 
-    if (scene%with_gas) call self%monitors%measure_gas(scene%gas%pressure, scene%gas%eps, scene%gas%velocity, scene%gas%flux)
+    if (scene%with_gas) then
+      associate (gas => scene%gas)
+        if (allocated(gas%ideal)) then
+          call self%monitors%measure_gas(gas%pressure, gas%eps, gas%velocity, gas%flux, gas%ideal%density)
+        else
+          call self%monitors%measure_gas(gas%pressure, gas%eps, gas%velocity, gas%flux)
+        end if
+      end associate
+    end if
     if (scene%with_parcels) then
       associate (p => scene%solids%parcels)
         call self%monitors%measure_parcels(p%state(1:3, :p%n), p%state(velocity_row:velocity_row + 2, :p%n), &
@@ -353,6 +361,7 @@ contains
       call file%add('void_fraction', gas%eps(1:n(1), 1:n(2), 1:n(3)), '1')
       if (allocated(gas%space)) call file%add('open_fraction', gas%space%volume(1:n(1), 1:n(2), 1:n(3)), '1')
       call file%add('pressure', gas%pressure(1:n(1), 1:n(2), 1:n(3)), 'Pa')
+      if (allocated(gas%ideal)) call file%add('density', gas%ideal%density(1:n(1), 1:n(2), 1:n(3)), 'kg/m3')
       call file%add('velocity', velocity, 'm/s')
       call file%end_step(outcome)
     end associate

@@ -109,6 +109,7 @@ contains
       if (outcome%failed()) return
       call new_gas(self%boxes, self%mesh, case%gas, case%boundaries, case%gas_numerics, self%gas, outcome, space)
       self%gas%gravity = d%gravity
+      if (.not. outcome%failed()) call self%gas%balance()
     end associate
     associate (n => self%boxes%n)
       allocate (self%mapped(n(1), n(2), n(3)), source=1.0_wp)

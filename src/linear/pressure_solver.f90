@@ -3,7 +3,8 @@
 !>   sum over the faces of a cell of c_f (p_cell - p_beyond) = b,     c_f >= 0
 !>
 !> with p_beyond = 0 behind a boundary face of given pressure and c_f = 0 at a face of given velocity.
-!> Where no pressure is given anywhere its level is free: it is held near 0 in the first cell of the grid.
+!> Where no pressure is given anywhere its level is free: it is held near 0 in the first cell of the grid. Cells that store
+!> what their pressure asks for add a capacity s_cell p_cell on the left; with them no level is free.
 module pressure_solver
   use boxes, only: boxes_t
   use communicator, only: communicator_t
@@ -64,14 +65,16 @@ contains
   end subroutine create
 
   !> Take new coefficients and set multigrid up for them.
-  subroutine set_matrix(self, conductance)
+  subroutine set_matrix(self, conductance, capacity)
     class(pressure_solver_t), intent(inout) :: self
     real(wp), intent(in), contiguous :: conductance(-1:, -1:, -1:, :)  !< (cell, a): c_f of its upper face across a
+    real(wp), intent(in), optional :: capacity(:,:,:)                  !< (cells) s_cell, none if not given
 
     integer :: a, i, j, k, e(3), inner(3)
     real(wp) :: usual
 
     self%values = 0.0_wp
+    if (present(capacity)) self%values(1, :, :, :) = capacity
     do a = 1, 3
       if (.not. self%coupled(a)) cycle
       e = unit_step(a)
