@@ -68,15 +68,17 @@ contains
   end subroutine build
 
   !> Replace the gas of a scene by one with boundaries and tight tolerances.
-  subroutine refill(scene, records)
+  subroutine refill(scene, records, gas_settings)
     type(scene_t), intent(inout) :: scene
     type(boundary_settings_t), intent(in) :: records(:)
+    type(gas_settings_t), intent(in), optional :: gas_settings
 
     type(gas_settings_t) :: settings
     type(gas_numerics_t) :: numerics
     type(outcome_t) :: outcome
 
     settings%density = density
+    if (present(gas_settings)) settings = gas_settings
     settings%viscosity = viscosity
     numerics%tolerance = 1.0e-9_wp
     numerics%velocity_tolerance = 1.0e-10_wp
@@ -87,15 +89,17 @@ contains
   end subroutine refill
 
   !> Couple the phases of a scene anew, by other settings.
-  subroutine recouple(scene, settings)
+  subroutine recouple(scene, settings, gas_settings)
     type(scene_t), intent(inout) :: scene
     type(coupling_settings_t), intent(in) :: settings
+    type(gas_settings_t), intent(in), optional :: gas_settings
 
-    type(gas_settings_t) :: gas_settings
+    type(gas_settings_t) :: of_gas
 
-    gas_settings%density = density
-    gas_settings%viscosity = viscosity
-    call scene%coupling%create(scene%mesh, scene%boxes, settings, gas_settings, gravity)
+    of_gas%density = density
+    if (present(gas_settings)) of_gas = gas_settings
+    of_gas%viscosity = viscosity
+    call scene%coupling%create(scene%mesh, scene%boxes, settings, of_gas, gravity)
     call scene%coupling%follow_tiles(scene%tiles, 0.01_wp*(scene%mesh%upper(2) - scene%mesh%lower(2)))
   end subroutine recouple
 

@@ -68,7 +68,7 @@ contains
 
   !> The text of a resolved case is a case file with the same meaning.
   subroutine test_resolved()
-    type(case_t) :: scene, again
+    type(case_t) :: scene, again, ideal
     type(problems_t) :: problems
 
     call read(bed//'&numerics tolerance = 0.01234567890123456 /', none, scene, problems)
@@ -77,6 +77,12 @@ contains
     call read(scene%text, none, again, problems)
     call expect(problems%count() == 0, 'the resolved case can be read')
     call expect(scene%text == again%text, 'and means the same')
+    call read(bed, [character(len=256) :: 'gas%density_law=ideal', 'gas%molar_mass=0.029', 'gas%temperature=300', &
+                    'gas%pressure=1e5'], ideal, problems)
+    call expect(problems%count() == 0, 'a case with an ideal gas is good')
+    call expect_close(ideal%gas%density, 1.0e5_wp*0.029_wp/(8.31446261815324_wp*300), 1.0e-14_wp, 'its density')
+    call read(ideal%text, none, scene, problems)
+    call expect(problems%count() == 0, 'and so is its resolved case')
     call expect_close(again%contact%tangential_ratio, 2.0_wp/7.0_wp, 0.0_wp, 'to the last bit')
     call expect_close(again%gas_numerics%tolerance, 0.01234567890123456_wp, 0.0_wp, 'with all digits')
   end subroutine test_resolved
