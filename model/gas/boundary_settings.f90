@@ -2,8 +2,11 @@
 module boundary_settings
   use case_keys, only: keys_t
   use constants, only: unset, is_set
+  use files, only: exists
+  use inflow_profile, only: inflow_profile_t, read_inflow_profile
   use kinds, only: wp
-  use text, only: word_length, shown
+  use problems, only: problems_t
+  use text, only: line_length, word_length, shown
   implicit none
   private
   public :: boundary_settings_t, declare_boundary
@@ -17,7 +20,9 @@ module boundary_settings
     real(wp) :: velocity = unset                     !< inflow: superficial, into the domain [m/s]
     real(wp) :: mass_flow = unset                    !< inflow, instead of velocity: over the region [kg/s]
     real(wp) :: volume_flow = unset                  !< inflow, instead of velocity: over the region [m3/s]
-    character(len=word_length) :: profile = 'uniform'  !< inflow: 'uniform' | 'parabola' over the region
+    character(len=word_length) :: profile = 'uniform'  !< inflow: 'uniform' | 'parabola' | 'table' over the region
+    character(len=line_length) :: file = ''          !< inflow by a table: .csv
+    type(inflow_profile_t) :: table                  !< what it holds
     real(wp), allocatable :: times(:)                !< inflow that changes: when it has the factors [s]
     real(wp), allocatable :: factors(:)              !< by which the inflow is multiplied then [-]
     real(wp) :: wall_velocity(3) = 0.0_wp            !< no_slip: of the wall, along itself [m/s]
@@ -44,8 +49,11 @@ contains
     call keys%get('mass_flow', settings%mass_flow, 'inflow, instead of velocity: mass flow over the region [kg/s]', '[0, inf)')
     call keys%get('volume_flow', settings%volume_flow, 'inflow, instead of velocity: volume flow over the region [m3/s]', &
                   '[0, inf)')
-    call keys%get('profile', settings%profile, 'inflow: the same everywhere, or a parabola in each direction along the region '// &
-                  'that has several cells and is not periodic', 'uniform | parabola')
+    call keys%get('profile', settings%profile, 'inflow: the same everywhere, a parabola in each direction along the region '// &
+                  'that has several cells and is not periodic, or as in file', 'uniform | parabola | table')
+    call keys%get_path('file', settings%file, 'inflow by a table, .csv: columns velocity in m/s and one or two of x, y, z in '// &
+                       'm, linear between; velocity, mass_flow or volume_flow need not be given: if one is, the table is '// &
+                       'multiplied to have it', must_exist=.true.)
     call keys%get_list('times', settings%times, 'inflow that changes: when it is factors times what is given, linear between, '// &
                        'constant before and after; a time given twice is a jump [s]')
     call keys%get_list('factors', settings%factors, 'inflow that changes: as many as times [-]', '[0, inf)')
@@ -55,7 +63,25 @@ contains
     call keys%get_optional_reference('material', settings%material_id, settings%material, 'material', &
                                      'of a whole face: what it is made of, a &material; wall_material of &contact if not given')
     call check_boundary(settings, keys)
+    if (settings%profile == 'table') call read_table(settings, keys)
   end subroutine declare_boundary
+
+  !> The table of an inflow; that there is no such file is known already.
+  subroutine read_table(settings, keys)
+    type(boundary_settings_t), intent(inout) :: settings
+    type(keys_t), intent(inout) :: keys
+
+    type(problems_t) :: problems
+    integer :: i
+
+    if (len_trim(settings%file) == 0) return
+    if (.not. exists(trim(settings%file))) return
+    call read_inflow_profile(trim(settings%file), settings%table, problems)
+    do i = 1, problems%count()
+      call keys%problems%add(problems%message(i))
+    end do
+    if (problems%count() > 0) settings%table%n_axes = 0
+  end subroutine read_table
 
   !> Each kind has its own keys.
   subroutine check_boundary(settings, keys)
@@ -73,13 +99,17 @@ contains
     if (len_trim(settings%kind) == 0) return
     speeds = count([keys%given('velocity'), keys%given('mass_flow'), keys%given('volume_flow')])
     if (settings%kind == 'inflow') then
-      call keys%require(speeds == 1, 'kind', 'give one of velocity, mass_flow and volume_flow')
+      call keys%require(speeds == 1 .or. (settings%profile == 'table' .and. speeds == 0), 'kind', &
+                        'give one of velocity, mass_flow and volume_flow')
+      call keys%require(settings%profile == 'table' .eqv. keys%given('file'), 'profile', &
+                        'a table and its file go together: give both or neither')
       call check_table(settings, keys)
     else
       do i = 1, size(of_inflows)
         call keys%require(.not. keys%given(trim(of_inflows(i))), trim(of_inflows(i)), 'belongs to an inflow')
       end do
       call keys%require(settings%profile == 'uniform', 'profile', 'belongs to an inflow')
+      call keys%require(.not. keys%given('file'), 'file', 'belongs to an inflow')
     end if
     call keys%require(settings%kind == 'no_slip' .or. .not. any(abs(settings%wall_velocity) > 0.0_wp), 'wall_velocity', &
                       'belongs to a no_slip wall')

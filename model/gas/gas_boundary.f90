@@ -6,6 +6,7 @@ module gas_boundary
   use boxes, only: boxes_t
   use constants, only: is_set
   use gas_settings, only: gas_settings_t
+  use inflow_ramp, only: inflow_ramp_t
   use kinds, only: wp
   use mesh, only: mesh_t
   use open_space, only: open_space_t
@@ -27,21 +28,16 @@ module gas_boundary
     real(wp), allocatable :: slide(:,:,:,:)       !< (face, component) velocity of the wall [m/s]; only where any wall moves
     integer, allocatable :: record(:,:,:)         !< which one it belongs to, 0 for none
     real(wp), allocatable, private :: area(:,:,:)     !< as far as it is open [m2]
+    real(wp), allocatable, private :: share(:,:,:)    !< velocity over that of its record, or the table's; if any has a profile
     real(wp), allocatable, private :: nominal(:,:,:)  !< flow where factors are 1 [m/s]; only if any inflow changes
   end type side_t
-
-  !> How the inflow of a record changes: by factors at times, linear between, constant before and after.
-  type :: ramp_t
-    real(wp), allocatable :: times(:)    !< [s]
-    real(wp), allocatable :: factors(:)
-  end type ramp_t
 
   type :: gas_boundary_t
     type(side_t) :: side(2, 3)      !< (low or high, direction)
     logical :: any_open = .false.   !< some face of the domain is open
     logical :: open_across(3) = .false.  !< some face across this direction is open
     real(wp) :: inflow = 0.0_wp     !< volume flow into the domain through all inflow faces [m3/s]
-    type(ramp_t), allocatable, private :: ramp(:)     !< (records), only if any inflow changes
+    type(inflow_ramp_t), allocatable, private :: ramp(:)  !< (records), only if any inflow changes
     real(wp), allocatable, private :: nominal(:)      !< their inflows where factors are 1 [m3/s]
   end type gas_boundary_t
 
@@ -57,10 +53,11 @@ contains
     type(outcome_t), intent(inout) :: outcome
     type(open_space_t), intent(in), optional :: space  !< that walls leave
 
-    real(wp) :: area(size(records)), speed(size(records))
+    real(wp) :: area(size(records)), shaped(size(records)), speed(size(records))
     integer :: a, end, overlap
 
     area = 0.0_wp
+    shaped = 0.0_wp
     overlap = 0
     do a = 1, 3
       do end = 1, 2
@@ -69,14 +66,15 @@ contains
         call measure_faces(boxes, mesh, a, end, boundary%side(end, a), space)
         call name_faces(boxes, mesh, records, a, boundary%side(end, a), overlap)
         call add_area(boundary%side(end, a), boxes, a, area)
+        call shape_side(boxes, mesh, records, a, boundary%side(end, a), shaped)
       end do
     end do
     area = boxes%comm%sum(area)
-    call check_records(records, area, boxes%comm%max(overlap), present(space), outcome)
-    speed = superficial(records, area, settings%density)
+    shaped = boxes%comm%sum(shaped)
+    call check_records(records, area, shaped, boxes%comm%max(overlap), present(space), outcome)
+    speed = superficial(records, area, shaped, settings%density)
     boundary%inflow = sum(speed*area)
-    call settle_sides(boxes, records, speed, settings%pressure, boundary)
-    call shape_inflow(boxes, mesh, records, area, boundary)
+    call settle_sides(boxes, records, strength(records, speed, area, shaped), settings%pressure, boundary)
     call prepare_ramps(records, speed*area, boundary)
     if (boundary%inflow > 0.0_wp .and. .not. boundary%any_open .and. settings%density_law == 'constant') then
       call outcome%fail(exit_input, 'gas flows in but no &boundary is an outflow: an incompressible gas needs one')
@@ -147,12 +145,21 @@ contains
 
     integer :: place(3)
 
-    place = boxes%lo + cell - 1
-    place = merge(1 + modulo(place - 1, boxes%cells), min(max(place, 1), boxes%cells), boxes%periodic)
+    place = place_of(boxes, cell)
     place(a) = boxes%lo(a) + cell(a) - 1
     x = mesh%in_metres(place - 0.5_wp)
     x(a) = mesh%axis(a)%face(place(a))
   end function face_centre
+
+  !> Where a cell of my box or its rim is in the whole grid, brought back into it.
+  pure function place_of(boxes, cell) result(place)
+    type(boxes_t), intent(in) :: boxes
+    integer, intent(in) :: cell(3)
+    integer :: place(3)
+
+    place = boxes%lo + cell - 1
+    place = merge(1 + modulo(place - 1, boxes%cells), min(max(place, 1), boxes%cells), boxes%periodic)
+  end function place_of
 
   pure function holds(record, x, h)
     type(boundary_settings_t), intent(in) :: record
@@ -183,9 +190,9 @@ contains
   end subroutine add_area
 
   !> Mistakes that only the grid shows. All ranks find the same.
-  pure subroutine check_records(records, area, overlap, walled, outcome)
+  pure subroutine check_records(records, area, shaped, overlap, walled, outcome)
     type(boundary_settings_t), intent(in) :: records(:)
-    real(wp), intent(in) :: area(:)
+    real(wp), intent(in) :: area(:), shaped(:)
     integer, intent(in) :: overlap
     logical, intent(in) :: walled  !< whether walls block the gas
     type(outcome_t), intent(inout) :: outcome
@@ -193,6 +200,9 @@ contains
     integer :: m
 
     do m = 1, size(records)
+      if (records(m)%profile == 'table' .and. area(m) > 0.0_wp .and. .not. shaped(m) > 0.0_wp) then
+        call outcome%fail(exit_input, '&boundary '//trim(records(m)%id)//': its table lets nothing in through the region')
+      end if
       if (area(m) > 0.0_wp) cycle
       call outcome%fail(exit_input, '&boundary '//trim(records(m)%id)//' holds the centre of no cell face on the ' &
                         //'surface of the domain'//trim(merge(' that walls leave open', repeat(' ', 22), walled)) &
@@ -203,10 +213,11 @@ contains
                       //' and &boundary '//trim(records(1 + (overlap - 1)/size(records))%id)//' overlap')
   end subroutine check_records
 
-  !> Superficial velocity into the domain of each record [m/s]; 0 for all but inflows.
-  pure function superficial(records, area, density) result(speed)
+  !> Superficial velocity into the domain of each record, its mean over the faces [m/s]; 0 for all but inflows.
+  pure function superficial(records, area, shaped, density) result(speed)
     type(boundary_settings_t), intent(in) :: records(:)
     real(wp), intent(in) :: area(:)   !< [m2]
+    real(wp), intent(in) :: shaped(:)  !< sums of area times share
     real(wp), intent(in) :: density   !< [kg/m3]
     real(wp) :: speed(size(records))
 
@@ -219,17 +230,32 @@ contains
         speed(m) = records(m)%velocity
       else if (is_set(records(m)%volume_flow)) then
         speed(m) = records(m)%volume_flow/area(m)
-      else
+      else if (is_set(records(m)%mass_flow)) then
         speed(m) = records(m)%mass_flow/(density*area(m))
+      else
+        speed(m) = shaped(m)/area(m)
       end if
     end do
   end function superficial
 
+  !> What the share of a face is multiplied by to be its velocity: with a profile the mean is the velocity of the record.
+  pure function strength(records, speed, area, shaped) result(factor)
+    type(boundary_settings_t), intent(in) :: records(:)
+    real(wp), intent(in) :: speed(:)   !< [m/s]
+    real(wp), intent(in) :: area(:)    !< [m2]
+    real(wp), intent(in) :: shaped(:)  !< sums of area times share
+    real(wp) :: factor(size(records))
+
+    factor = speed
+    where (records%profile /= 'uniform' .and. shaped > 0.0_wp) factor = speed*area/max(shaped, tiny(1.0_wp))
+  end function strength
+
   !> From records to what the equations ask of each face.
-  subroutine settle_sides(boxes, records, speed, reference, boundary)
+  subroutine settle_sides(boxes, records, factor, reference, boundary)
     type(boxes_t), intent(in) :: boxes
     type(boundary_settings_t), intent(in) :: records(:)
-    real(wp), intent(in) :: speed(:), reference
+    real(wp), intent(in) :: factor(:)   !< see strength
+    real(wp), intent(in) :: reference  !< pressure [Pa]
     type(gas_boundary_t), intent(inout) :: boundary
 
     integer :: a, end
@@ -237,7 +263,7 @@ contains
     do a = 1, 3
       do end = 1, 2
         if (boundary%side(end, a)%mine) then
-          call settle_side(records, speed, reference, boundary%side(end, a))
+          call settle_side(records, factor, reference, boundary%side(end, a))
           boundary%open_across(a) = boundary%open_across(a) .or. any(boundary%side(end, a)%open)
         end if
       end do
@@ -246,9 +272,9 @@ contains
     boundary%any_open = any(boundary%open_across)
   end subroutine settle_sides
 
-  pure subroutine settle_side(records, speed, reference, side)
+  pure subroutine settle_side(records, factor, reference, side)
     type(boundary_settings_t), intent(in) :: records(:)
-    real(wp), intent(in) :: speed(:), reference
+    real(wp), intent(in) :: factor(:), reference
     type(side_t), intent(inout) :: side
 
     integer :: m
@@ -265,12 +291,13 @@ contains
         where (record == m)
           side%open = records(m)%kind == 'outflow'
           side%grip = merge(0.0_wp, 1.0_wp, records(m)%kind == 'slip' .or. records(m)%kind == 'outflow')
-          side%flow = speed(m)
+          side%flow = factor(m)
         end where
         if (.not. is_set(records(m)%pressure)) cycle
         where (record == m) side%pressure = records(m)%pressure
       end do
     end associate
+    if (allocated(side%share)) side%flow = side%share*side%flow
     call set_slide(records, side)
   end subroutine settle_side
 
@@ -293,70 +320,58 @@ contains
     end do
   end subroutine set_slide
 
-  !> Give inflows that are not uniform their profile, with the mean over the faces of the region as it was.
-  subroutine shape_inflow(boxes, mesh, records, area, boundary)
-    type(boxes_t), intent(in) :: boxes
-    type(mesh_t), intent(in) :: mesh
-    type(boundary_settings_t), intent(in) :: records(:)
-    real(wp), intent(in) :: area(:)  !< of the records [m2]
-    type(gas_boundary_t), intent(inout) :: boundary
-
-    real(wp) :: total(size(records))  !< of the profiles over their regions [m2]
-    integer :: a, end, m
-
-    if (.not. any([(records(m)%profile == 'parabola', m=1, size(records))])) return
-    total = 0.0_wp
-    do a = 1, 3
-      do end = 1, 2
-        if (boundary%side(end, a)%mine) call bend_flow(boxes, mesh, records, a, boundary%side(end, a), total)
-      end do
-    end do
-    total = boxes%comm%sum(total)
-    do m = 1, size(records)
-      if (records(m)%profile /= 'parabola') cycle
-      do a = 1, 3
-        do end = 1, 2
-          if (.not. boundary%side(end, a)%mine) cycle
-          associate (side => boundary%side(end, a))
-            where (side%record == m) side%flow = side%flow*area(m)/total(m)
-          end associate
-        end do
-      end do
-    end do
-  end subroutine shape_inflow
-
-  !> Multiply the flow of one side by s (1 - s) along each direction, s from edge to edge of the region, and add up these
-  !> factors over my faces, rim left out.
-  pure subroutine bend_flow(boxes, mesh, records, a, side, total)
+  !> The shares of the faces of one side, if any record has a profile, and what they add up to, rim left out.
+  pure subroutine shape_side(boxes, mesh, records, a, side, shaped)
     type(boxes_t), intent(in) :: boxes
     type(mesh_t), intent(in) :: mesh
     type(boundary_settings_t), intent(in) :: records(:)
     integer, intent(in) :: a
     type(side_t), intent(inout) :: side
-    real(wp), intent(inout) :: total(:)
+    real(wp), intent(inout) :: shaped(:)  !< sums of area times share [m2], or [m3/s] of a table
 
     integer :: i, j, k, m, rim(3)
-    real(wp) :: share
 
-    rim = 0
-    rim(a) = lbound(side%record, a)
+    if (all(records%profile == 'uniform')) return
+    allocate (side%share, mold=side%area)
+    side%share = 1.0_wp
     do k = lbound(side%record, 3), ubound(side%record, 3)
       do j = lbound(side%record, 2), ubound(side%record, 2)
         do i = lbound(side%record, 1), ubound(side%record, 1)
           m = side%record(i, j, k)
           if (m == 0) cycle
-          if (records(m)%profile /= 'parabola') cycle
-          share = bow(mesh, records(m), face_centre(boxes, mesh, [i, j, k], a), a)
-          side%flow(i, j, k) = share*side%flow(i, j, k)
+          if (records(m)%profile == 'uniform') cycle
+          side%share(i, j, k) = share_of(boxes, mesh, records(m), [i, j, k], a)
           rim = [i, j, k]
           rim(a) = 1
-          if (all(rim >= 1 .and. rim <= boxes%n)) total(m) = total(m) + share*side%area(i, j, k)
+          if (all(rim >= 1 .and. rim <= boxes%n)) shaped(m) = shaped(m) + side%share(i, j, k)*side%area(i, j, k)
         end do
       end do
     end do
-  end subroutine bend_flow
+  end subroutine shape_side
 
-  !> The parabola at x on a region across `a`, of no scale.
+  !> Of the face above a cell: that of a parabola, of no scale, or the mean over it of a table [m/s].
+  pure function share_of(boxes, mesh, record, cell, a) result(share)
+    type(boxes_t), intent(in) :: boxes
+    type(mesh_t), intent(in) :: mesh
+    type(boundary_settings_t), intent(in) :: record
+    integer, intent(in) :: cell(3), a
+    real(wp) :: share
+
+    real(wp) :: corner(3, 2)
+    integer :: place(3), b
+
+    if (record%profile == 'parabola') then
+      share = bow(mesh, record, face_centre(boxes, mesh, cell, a), a)
+      return
+    end if
+    place = place_of(boxes, cell)
+    do b = 1, 3
+      corner(b, :) = mesh%axis(b)%face([place(b) - 1, place(b)])
+    end do
+    share = record%table%mean_over(corner(:, 1), corner(:, 2))
+  end function share_of
+
+  !> s (1 - s) along each direction, s from edge to edge of the region.
   pure function bow(mesh, record, x, a)
     type(mesh_t), intent(in) :: mesh
     type(boundary_settings_t), intent(in) :: record
@@ -411,7 +426,7 @@ contains
     boundary%inflow = 0.0_wp
     do m = 1, size(boundary%ramp)
       factor = 1.0_wp
-      if (allocated(boundary%ramp(m)%times)) factor = factor_at(boundary%ramp(m), time)
+      if (allocated(boundary%ramp(m)%times)) factor = boundary%ramp(m)%at(time)
       boundary%inflow = boundary%inflow + factor*boundary%nominal(m)
       do a = 1, 3
         do end = 1, 2
@@ -423,25 +438,5 @@ contains
       end do
     end do
   end subroutine set_inflow
-
-  !> Linear between the times of a table; of times that are equal the last counts.
-  pure function factor_at(ramp, time) result(factor)
-    type(ramp_t), intent(in) :: ramp
-    real(wp), intent(in) :: time  !< [s]
-    real(wp) :: factor
-
-    integer :: below
-
-    below = count(ramp%times <= time)
-    if (below == 0) then
-      factor = ramp%factors(1)
-    else if (below == size(ramp%times)) then
-      factor = ramp%factors(below)
-    else
-      associate (t => ramp%times(below:below + 1), f => ramp%factors(below:below + 1))
-        factor = f(1) + (f(2) - f(1))*(time - t(1))/(t(2) - t(1))
-      end associate
-    end if
-  end function factor_at
 
 end module gas_boundary

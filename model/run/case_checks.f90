@@ -133,6 +133,7 @@ contains
       call keys%require_at(.not. any(on(:, i)) .or. any(on(:, i) .and. .not. [case%domain%periodic, case%domain%periodic]), &
                            'boundary', i, '', 'lies on a periodic face')
       call check_moving_wall(case, i, on(:, i), keys)
+      call check_profile(case, i, keys)
       if (case%boundaries(i)%material > 0) then
         call keys%require_at(any(faces_covered(case%domain, case%boundaries(i))), 'boundary', i, 'material', &
                              'parcels know whole faces of the domain only, and it covers none')
@@ -159,6 +160,34 @@ contains
     call keys%require_at(.not. case%with_parcels, 'boundary', i, 'wall_velocity', &
                          'moves the gas only, and parcels would feel a wall at rest: not possible with &parcels')
   end subroutine check_moving_wall
+
+  !> The table of an inflow is over directions in which its region has an extent, and covers it.
+  subroutine check_profile(case, i, keys)
+    type(case_t), intent(in) :: case
+    integer, intent(in) :: i
+    type(keys_t), intent(inout) :: keys
+
+    real(wp) :: lower(3), upper(3), near(3)
+    character(len=:), allocatable :: words
+    logical :: covered
+    integer :: m
+
+    associate (region => case%boundaries(i), domain => case%domain)
+      near = closeness*(domain%upper - domain%lower)
+      lower = max(region%lower, domain%lower)
+      upper = min(region%upper, domain%upper)
+      do m = 1, region%table%n_axes
+        associate (a => region%table%axes(m))
+          if (upper(a) - lower(a) > near(a)) cycle
+          call keys%require_at(.false., 'boundary', i, 'file', 'is over '//'xyz'(a:a)//', in which the region has no extent')
+          return
+        end associate
+      end do
+      if (region%table%n_axes == 0) return
+      call region%table%covers(lower, upper, near, covered, words)
+      call keys%require_at(covered, 'boundary', i, 'file', 'does not cover the region: '//words)
+    end associate
+  end subroutine check_profile
 
   !> Whether a region has an area on a side: 1 to 3 the low x, y, z, 4 to 6 the high ones. With a grid, the
   !> middle of a cell's face must be in it.

@@ -94,6 +94,7 @@ contains
         if (is_set(region%mass_flow)) text = text//' of '//shown(region%mass_flow)//' kg/s'
         if (is_set(region%volume_flow)) text = text//' of '//shown(region%volume_flow)//' m3/s'
         if (region%profile == 'parabola') text = text//' as a parabola'
+        if (region%profile == 'table') text = text//' as in '//trim(region%file)
         if (allocated(region%times)) text = text//', times factors from '//shown(region%times(1))//' to ' &
                                             //shown(region%times(size(region%times)))//' s'
         if (any(abs(region%wall_velocity) > 0)) text = text//' moving at '//shown(region%wall_velocity)//' m/s'
