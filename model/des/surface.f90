@@ -18,8 +18,7 @@ module surface
     real(wp), allocatable :: vertex(:,:)  !< (3,vertices) [m]
     integer, allocatable :: corner(:,:)   !< (3,n) vertices of each triangle
     integer :: degenerate = 0             !< triangles left out
-    integer :: open_edges = 0             !< edges with a triangle on one side only
-    real(wp) :: opening(3) = 0.0_wp       !< the middle of the first of these [m]
+    integer, allocatable :: open_edge(:,:)  !< (2,edges) vertices of those with a triangle on one side only
   end type surface_t
 
 contains
@@ -37,7 +36,7 @@ contains
     call weld(reshape(triangles, [3, 3*surface%n]), near, surface)
     call keep(surface, surface%corner(1, :) /= surface%corner(2, :) .and. surface%corner(2, :) /= surface%corner(3, :) &
               .and. surface%corner(3, :) /= surface%corner(1, :))
-    call count_open_edges(surface)
+    call find_open_edges(surface)
     call keep(surface, [(is_wide(surface, t, near), t=1, surface%n)])
   end function new_surface
 
@@ -102,39 +101,29 @@ contains
   end function is_wide
 
   !> An edge that one triangle has and no other is open.
-  pure subroutine count_open_edges(surface)
+  pure subroutine find_open_edges(surface)
     type(surface_t), intent(inout) :: surface
 
     real(wp), allocatable :: key(:)
-    integer, allocatable :: order(:)
-    integer :: t, side, a, b, m, last, edges
+    integer, allocatable :: edge(:,:), order(:)
+    logical, allocatable :: alone(:)
+    integer :: t, side, m, n
 
-    edges = 3*surface%n
-    allocate (key(edges), order(edges))
+    n = 3*surface%n
+    allocate (edge(2, n), key(n), order(n), alone(n))
     do t = 1, surface%n
       do side = 1, 3
-        a = surface%corner(side, t)
-        b = surface%corner(modulo(side, 3) + 1, t)
-        key(3*(t - 1) + side) = real(min(a, b), wp)*(size(surface%vertex, 2) + 1.0_wp) + max(a, b)
+        edge(:, 3*(t - 1) + side) = surface%corner([side, modulo(side, 3) + 1], t)
       end do
     end do
+    key = minval(edge, 1)*(size(surface%vertex, 2) + 1.0_wp) + maxval(edge, 1)
     order = ascending(key)
-    m = 1
-    do while (m <= edges)
-      last = m
-      do while (last < edges)
-        if (key(order(last + 1)) - key(order(m)) > 0.5_wp) exit
-        last = last + 1
-      end do
-      if (last == m) then
-        surface%open_edges = surface%open_edges + 1
-        t = (order(m) + 2)/3
-        side = order(m) - 3*(t - 1)
-        if (surface%open_edges == 1) surface%opening = 0.5_wp*(surface%vertex(:, surface%corner(side, t)) &
-                                                               + surface%vertex(:, surface%corner(modulo(side, 3) + 1, t)))
-      end if
-      m = last + 1
+    alone = .true.
+    do m = 2, n
+      if (key(order(m)) - key(order(m - 1)) > 0.5_wp) cycle
+      alone(m - 1:m) = .false.
     end do
-  end subroutine count_open_edges
+    surface%open_edge = edge(:, pack(order, alone))
+  end subroutine find_open_edges
 
 end module surface

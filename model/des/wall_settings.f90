@@ -66,7 +66,8 @@ contains
     call keys%get('length', settings%length, 'cylinder: along the axis from point; without end if not given [m]', '(0, inf)')
     call keys%get('side', settings%side, 'cylinder without length: where the parcels are', 'inside | outside')
     call keys%get('gas_side', settings%gas_side, 'where the gas is; on both sides it passes through the wall; inside '// &
-                  'of a plane is where its normal points', 'both | inside | outside')
+                  'of a plane is where its normal points; a mesh must be closed, or end on or beyond faces of the '// &
+                  'domain', 'both | inside | outside')
     call keys%get('end_point', settings%end_point, 'cone: the other end of its axis [m]', required=cone, when='for a cone')
     call keys%get('end_radius', settings%end_radius, 'cone: radius at end_point [m]', '[0, inf)', required=cone, when='for a cone')
     call keys%get_path('file', settings%file, 'mesh: its triangles, .stl', must_exist=.true.)
@@ -153,7 +154,6 @@ contains
                       'of a plane the gas is where the parcels are: inside')
     call keys%require(settings%kind /= 'cylinder' .or. settings%has_length() .or. settings%gas_side == settings%side, 'gas_side', &
                       'of a cylinder without length the gas is where the parcels are: see side')
-    call keys%require(.not. settings%open, 'gas_side', 'a mesh with edges has no inside')
   end subroutine check_gas_side
 
   !> The surface moves and the wall does not.

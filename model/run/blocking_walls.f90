@@ -3,6 +3,7 @@ module blocking_walls
   use kinds, only: wp
   use level, only: level_t
   use mesh, only: mesh_t
+  use mesh_rims, only: body_over, wall_within
   use mesh_wall, only: mesh_wall_t, new_mesh_wall
   use plane, only: plane_t, new_plane
   use shell, only: shell_t, new_shell, find_rim
@@ -19,7 +20,8 @@ module blocking_walls
     type(shell_t), allocatable :: shells(:)
     integer, allocatable :: shell_side(:)       !< 1: the gas is inside, -1: outside
     logical, allocatable :: goes_on(:,:)        !< (end, shells) whether another shell or the end of the domain is there
-    type(mesh_wall_t), allocatable :: meshes(:)
+    type(mesh_wall_t), allocatable :: meshes(:)  !< as far as they are in the domain
+    type(mesh_wall_t), allocatable :: bodies(:)  !< that they bound there
     integer, allocatable :: mesh_side(:)        !< 1: the gas is inside, -1: outside
     real(wp) :: reach = 0.0_wp                  !< beyond which distances from meshes do not matter [m]
   contains
@@ -37,7 +39,8 @@ contains
 
     integer :: w, side
 
-    allocate (blocking%planes(0), blocking%shells(0), blocking%shell_side(0), blocking%meshes(0), blocking%mesh_side(0))
+    allocate (blocking%planes(0), blocking%shells(0), blocking%shell_side(0), blocking%meshes(0), blocking%bodies(0), &
+              blocking%mesh_side(0))
     blocking%reach = norm2(mesh%coarsest)
     do w = 1, size(walls)
       if (.not. walls(w)%blocks_gas()) cycle
@@ -46,7 +49,8 @@ contains
       case ('plane')
         blocking%planes = [blocking%planes, new_plane(walls(w))]
       case ('mesh')
-        blocking%meshes = [blocking%meshes, new_mesh_wall(walls(w), surfaces(w), 0)]
+        blocking%meshes = [blocking%meshes, new_mesh_wall(walls(w), wall_within(surfaces(w), mesh%lower, mesh%upper), 0)]
+        blocking%bodies = [blocking%bodies, new_mesh_wall(walls(w), body_over(surfaces(w), mesh%lower, mesh%upper), 0)]
         blocking%mesh_side = [blocking%mesh_side, side]
       case default
         blocking%shells = [blocking%shells, new_shell(walls(w))]
@@ -98,7 +102,7 @@ contains
       distance = min(distance, way_off(self%shells(m), self%shell_side(m), self%goes_on(:, m), x))
     end do
     do m = 1, size(self%meshes)
-      distance = min(distance, self%mesh_side(m)*depth_in(self%meshes(m), self%reach, x))
+      distance = min(distance, self%mesh_side(m)*depth_in(self%meshes(m), self%bodies(m), self%reach, x))
     end do
   end function at
 
@@ -126,9 +130,9 @@ contains
     end do
   end function way_off
 
-  !> Distance from a mesh, positive within it; no larger than the reach.
-  pure function depth_in(mesh, reach, x) result(depth)
-    type(mesh_wall_t), intent(in) :: mesh
+  !> Distance from a mesh, positive within its body; no larger than the reach.
+  pure function depth_in(mesh, body, reach, x) result(depth)
+    type(mesh_wall_t), intent(in) :: mesh, body
     real(wp), intent(in) :: reach, x(3)  !< [m]
     real(wp) :: depth
 
@@ -149,7 +153,7 @@ contains
         end do
       end do
     end do
-    if (.not. is_within(mesh, x)) depth = -depth
+    if (.not. is_within(body, x)) depth = -depth
   end function depth_in
 
   !> Whether a point is within a closed mesh: a ray up from it goes through an odd number of triangles.

@@ -220,7 +220,7 @@ contains
     extent = maxval(surface%vertex, dim=2) - minval(surface%vertex, dim=2)
     words = ' of '//shown(surface%n)//' triangles'
     if (surface%degenerate > 0) words = words//' ('//shown(surface%degenerate)//' without an area left out)'
-    words = words//', '//trim(merge('closed', 'open  ', surface%open_edges == 0))//', '//brief(extent(1))//' by ' &
+    words = words//', '//trim(merge('closed', 'open  ', size(surface%open_edge, 2) == 0))//', '//brief(extent(1))//' by ' &
             //brief(extent(2))//' by '//brief(extent(3))//' m,'
   end function mesh_words
 

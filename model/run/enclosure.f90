@@ -4,6 +4,7 @@ module enclosure
   use chamber, only: chamber_t
   use covered_faces, only: faces_covered
   use kinds, only: wp
+  use mesh_rims, only: wall_within
   use open_faces, only: find_openings, rest_of_face
   use surface, only: surface_t, new_surface
   use wall_settings, only: wall_settings_t
@@ -34,6 +35,9 @@ contains
     end do
     walls = case%walls
     surfaces = case%surfaces
+    do b = 1, size(walls)
+      if (walls(b)%kind == 'mesh' .and. walls(b)%blocks_gas()) surfaces(b) = wall_within(surfaces(b), chamber%lower, chamber%upper)
+    end do
     call open_up(case, chamber, walls, surfaces)
     call chamber%add_walls(walls, surfaces)
   end function enclosure_of

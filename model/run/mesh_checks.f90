@@ -4,6 +4,7 @@ module mesh_checks
   use case_keys, only: keys_t
   use constants, only: is_set, pi
   use kinds, only: wp
+  use mesh_rims, only: loose_rim
   use surface, only: surface_t
   use text, only: shown, brief
   use wall_motion, only: wall_motion_t, cross
@@ -26,8 +27,12 @@ contains
     if (.not. all(case%domain%upper > case%domain%lower)) return
     do w = 1, size(case%walls)
       if (case%surfaces(w)%n == 0) cycle
-      call keys%require_at(case%walls(w)%open .or. case%surfaces(w)%open_edges == 0, 'wall', w, 'file', &
-                           'is not closed: '//opening_words(case%surfaces(w)))
+      if (case%walls(w)%blocks_gas()) then
+        call check_rims(case, w, keys)
+      else
+        call keys%require_at(case%walls(w)%open .or. size(case%surfaces(w)%open_edge, 2) == 0, 'wall', w, 'file', &
+                             'is not closed: '//opening_words(case%surfaces(w)))
+      end if
       call check_place(case, w, keys)
       call check_fills(case, w, keys)
     end do
@@ -35,14 +40,29 @@ contains
 
   pure function opening_words(surface) result(words)
     type(surface_t), intent(in) :: surface
-    character(len=:), allocatable :: words
+    character(len=:), allocatable :: words, place
 
-    words = shown(surface%open_edges)//' edges have a triangle on one side only, the first at '//triple(surface%opening)
-    if (surface%open_edges == 1) words = 'an edge has a triangle on one side only, at '//triple(surface%opening)
+    place = triple(0.5_wp*sum(surface%vertex(:, surface%open_edge(:, 1)), 2))
+    words = shown(size(surface%open_edge, 2))//' edges have a triangle on one side only, the first at '//place
+    if (size(surface%open_edge, 2) == 1) words = 'an edge has a triangle on one side only, at '//place
     words = words//' m; give open = true if that is meant'
   end function opening_words
 
-  !> A mesh lies in the domain, off its faces, as long as the run lasts.
+  !> A mesh that keeps the gas on one side ends nowhere in the domain.
+  subroutine check_rims(case, w, keys)
+    type(case_t), intent(in) :: case
+    integer, intent(in) :: w
+    type(keys_t), intent(inout) :: keys
+
+    real(wp) :: place(3)
+    logical :: loose
+
+    call loose_rim(case%surfaces(w), case%domain%lower, case%domain%upper, loose, place)
+    call keys%require_at(.not. loose, 'wall', w, 'gas_side', 'its file has a rim at '//triple(place)//' m: the gas has a side ' &
+                         //'of a mesh that is closed, or whose rims each lie on or beyond one face of the domain')
+  end subroutine check_rims
+
+  !> A mesh lies in the domain, off its faces, as long as the run lasts; one that keeps the gas on one side may go on beyond.
   subroutine check_place(case, w, keys)
     type(case_t), intent(in) :: case
     integer, intent(in) :: w
@@ -61,6 +81,7 @@ contains
                              //' m, '//brief(maxval(upper - lower))//' m large; is its scale right?')
         return
       end if
+      if (case%walls(w)%blocks_gas()) return
       if (any(lower < domain%lower - near) .or. any(upper > domain%upper + near)) then
         call keys%require_at(.false., 'wall', w, '', 'reaches out of the domain: it goes from '//triple(lower)//' to ' &
                              //triple(upper)//' m')

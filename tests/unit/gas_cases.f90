@@ -29,7 +29,8 @@ module gas_cases
     type(gas_settings_t) :: settings
     type(gas_numerics_t) :: numerics
     type(boundary_settings_t), allocatable :: records(:)
-    type(wall_settings_t), allocatable :: walls(:)  !< that block the gas, none of them a mesh
+    type(wall_settings_t), allocatable :: walls(:)  !< that block the gas
+    type(surface_t), allocatable :: surfaces(:)     !< (walls) of those that are meshes; may miss if none is
   end type scene_t
 
 contains
@@ -57,15 +58,16 @@ contains
     type(boxes_t) :: boxes
     type(mesh_t) :: mesh
     type(open_space_t), allocatable :: space
-    type(surface_t), allocatable :: none(:)
+    type(surface_t), allocatable :: surfaces(:)
 
     mesh = new_uniform_mesh([0.0_wp, 0.0_wp, 0.0_wp], scene%upper, scene%cells, scene%periodic)
     if (allocated(scene%axis)) mesh = new_mesh(scene%axis)
     call new_boxes(comm, scene%cells, scene%periodic, boxes, outcome)
     if (outcome%failed()) return
     if (allocated(scene%walls)) then
-      allocate (space, none(size(scene%walls)))
-      call new_open_space(boxes, mesh, new_blocking_walls(scene%walls, none, mesh), space)
+      allocate (space, surfaces(size(scene%walls)))
+      if (allocated(scene%surfaces)) surfaces = scene%surfaces
+      call new_open_space(boxes, mesh, new_blocking_walls(scene%walls, surfaces, mesh), space)
     end if
     call new_gas(boxes, mesh, scene%settings, scene%records, scene%numerics, gas, outcome, space)
     if (outcome%failed()) return

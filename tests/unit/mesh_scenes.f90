@@ -13,7 +13,7 @@ module mesh_scenes
   use wall_settings, only: wall_settings_t
   implicit none
   private
-  public :: mesh_room, mesh, sheet, box, ball, drum, turned
+  public :: mesh_room, mesh, sheet, box, ball, drum, tube, turned
 
 contains
 
@@ -132,6 +132,30 @@ contains
       x = centre + radius*x/norm2(x)
     end function place
   end function ball
+
+  !> The side of a cylinder or cone without lids.
+  pure function tube(start, axis, radii, segments) result(triangles)
+    real(wp), intent(in) :: start(3), axis(3), radii(2)  !< the axis from end to end, the radii there [m]
+    integer, intent(in) :: segments
+    real(wp) :: triangles(3, 3, 2*segments)
+
+    real(wp) :: one(3), other(3), rim(3, 0:segments)
+    integer :: k
+
+    one = cross(axis, [0.36_wp, 0.48_wp, 0.8_wp])
+    one = one/norm2(one)
+    other = cross(axis, one)/norm2(axis)
+    do k = 0, segments
+      rim(:, k) = cos(2*pi*modulo(k, segments)/segments)*one + sin(2*pi*modulo(k, segments)/segments)*other
+    end do
+    do k = 1, segments
+      associate (a => start + radii(1)*rim(:, k - 1), b => start + radii(1)*rim(:, k), &
+                 c => start + axis + radii(2)*rim(:, k), d => start + axis + radii(2)*rim(:, k - 1))
+        triangles(:, :, 2*k - 1) = reshape([a, b, c], [3, 3])
+        triangles(:, :, 2*k) = reshape([a, c, d], [3, 3])
+      end associate
+    end do
+  end function tube
 
   !> A cylinder with lids; a number of blades of a depth, without thickness, stand inward on its side.
   pure function drum(start, axis, radius, segments, blades, depth) result(triangles)
