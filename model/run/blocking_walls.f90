@@ -14,6 +14,7 @@ module blocking_walls
   public :: blocking_walls_t, new_blocking_walls
 
   real(wp), parameter :: flush = 1.0e-6_wp  !< of a shell's length: by how much it goes on beyond its ends
+  real(wp), parameter :: near_wall = 0.01_wp  !< of a cell: too close to a wall to tell one side from the other
 
   type, extends(level_t) :: blocking_walls_t
     type(plane_t), allocatable :: planes(:)
@@ -26,6 +27,7 @@ module blocking_walls
     real(wp) :: reach = 0.0_wp                  !< beyond which distances from meshes do not matter [m]
   contains
     procedure :: at
+    procedure :: meet_alike
   end type blocking_walls_t
 
 contains
@@ -105,6 +107,33 @@ contains
       distance = min(distance, self%mesh_side(m)*depth_in(self%meshes(m), self%bodies(m), self%reach, x))
     end do
   end function at
+
+  !> Whether the gas is on the same parts of the two faces across a, which are joined: at the corners of all cells that are
+  !> not close to a wall.
+  pure function meet_alike(self, mesh, a) result(alike)
+    class(blocking_walls_t), intent(in) :: self
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: a
+    logical :: alike
+
+    real(wp) :: x(3), low, high
+    integer :: b, c, i, j
+
+    b = modulo(a, 3) + 1
+    c = modulo(b, 3) + 1
+    alike = .true.
+    do j = 0, mesh%n(c)
+      x(c) = mesh%axis(c)%face(j)
+      do i = 0, mesh%n(b)
+        x(b) = mesh%axis(b)%face(i)
+        x(a) = mesh%lower(a)
+        low = self%at(x)
+        x(a) = mesh%upper(a)
+        high = self%at(x)
+        alike = alike .and. (low*high > 0.0_wp .or. min(abs(low), abs(high)) < near_wall*minval(mesh%finest))
+      end do
+    end do
+  end function meet_alike
 
   !> Distance from the body that a shell bounds; one with ends reaches from end to end, whether it is the inside that is filled
   !> or the outside. Beyond an end where it goes on it has no say.

@@ -10,7 +10,7 @@ module monitor_quantities
     integer :: components         !< 1, or 3 for a vector
     logical :: of_gas             !< of the gas; otherwise of the parcels
     logical :: is_flux            !< through a plane, positive along its normal axis; only planes have it
-    character(len=88) :: meaning
+    character(len=96) :: meaning
   end type quantity_t
 
   !> Regions. For parcels a point, a line and a plane are one gas cell thick.
@@ -24,7 +24,7 @@ module monitor_quantities
     quantity_t('gas_density', 'kg/m3', 1, .true., .false., 'density of an ideal gas'), &
     quantity_t('gas_mass_flux', 'kg/s', 1, .true., .true., 'gas through the plane'), &
     quantity_t('solids_volume_fraction', '1', 1, .false., .false., &
-    'volume of the particles whose parcel has its centre in the region, over its volume'), &
+    'volume of the particles whose parcel has its centre in the region, over its open volume'), &
     quantity_t('parcel_velocity', 'm/s', 3, .false., .false., 'mass-weighted mean velocity of the parcels'), &
     quantity_t('parcel_count', '1', 1, .false., .false., 'number of parcels'), &
     quantity_t('particle_count', '1', 1, .false., .false., 'number of real particles, the sum of the weights'), &

@@ -1,8 +1,9 @@
 !> The region of a monitor: which of my gas cells and which parcels belong to it, and by how much.
 !>
-!> Of the gas: a mean. Along a direction in which the region has an extent, a cell counts by how much of it is inside;
+!> Of the gas: a mean over what is open to it. Along a direction in which the region has an extent, a cell counts by how much of it is inside;
 !> along a direction in which it has none, the two cells around it count as in linear interpolation between their
-!> centres. The weights of all cells of all ranks add up to 1. Through a plane: the faces nearest to it count by how
+!> centres. The weights of all cells of all ranks add up to 1; where walls block the gas a cell counts by its weight times its
+!> open part, and the sum is divided by that of the open parts. Through a plane: the faces nearest to it count by how
 !> much of them is inside.
 !> Of parcels: those with their centre in the region, which is made one gas cell thick where it has no extent.
 module monitor_region
@@ -10,6 +11,7 @@ module monitor_region
   use grid_axis, only: axis_t
   use kinds, only: wp
   use mesh, only: mesh_t
+  use open_space, only: open_space_t
   implicit none
   private
   public :: sample_t, new_samples, weigh_cells, weigh_faces, weighted_sum
@@ -162,18 +164,20 @@ contains
   end subroutine keep_mine
 
   !> Sum of the weights times a field over my cells. With an axis, the field is on the faces across it and a cell has
-  !> the mean of its two. `scale`, if given, is another factor of each cell.
-  pure function weighted_sum(sample, f, axis, scale) result(total)
+  !> the mean of its two, by their open areas. `scale`, if given, is another factor of each cell.
+  pure function weighted_sum(sample, f, axis, scale, space) result(total)
     type(sample_t), intent(in) :: sample
     real(wp), intent(in) :: f(-1:, -1:, -1:)                    !< my box with two layers of halo
     integer, intent(in), optional :: axis
     real(wp), intent(in), optional :: scale(-1:, -1:, -1:)
+    type(open_space_t), intent(in), optional :: space
     real(wp) :: total
 
     integer :: i, j, k, e(3)
-    real(wp) :: w
+    real(wp) :: w, upper
 
     total = 0.0_wp
+    upper = 0.5_wp
     e = 0
     if (present(axis)) e(axis) = 1
     associate (lo => sample%first - 1)
@@ -182,7 +186,9 @@ contains
           do i = sample%first(1), sample%last(1)
             w = sample%weight(i - lo(1), 1)*sample%weight(j - lo(2), 2)*sample%weight(k - lo(3), 3)
             if (present(scale)) w = w*scale(i, j, k)
-            total = total + w*(f(i, j, k) + f(i - e(1), j - e(2), k - e(3)))/2
+            if (present(space)) w = w*space%volume(i, j, k)
+            if (present(space) .and. present(axis)) upper = space%upper(i, j, k, axis)
+            total = total + w*(upper*f(i, j, k) + (1 - upper)*f(i - e(1), j - e(2), k - e(3)))
           end do
         end do
       end do

@@ -1,8 +1,8 @@
 !> The monitors of a case: quantities of gas and parcels in named regions, at their own intervals, into monitor.h5.
 !>
-!>   call monitors%create(settings, interval, mesh, series, after, boxes)
+!>   call monitors%create(settings, interval, mesh, series, after, boxes, space)
 !>   if (monitors%any_due(time)) then
-!>     call monitors%measure_gas(pressure, eps, velocity, flux, density)
+!>     call monitors%measure_gas(pressure, eps, velocity, flux, density, space)
 !>     call monitors%measure_parcels(position, velocity, inverse_mass, diameter, weight)
 !>     call monitors%record(time, comm, series)
 !>   end if
@@ -18,6 +18,7 @@ module monitors
   use monitor_quantities, only: quantities, find_quantity
   use monitor_region, only: sample_t, new_samples, weigh_cells, weigh_faces, weighted_sum
   use monitor_settings, only: monitor_settings_t
+  use open_space, only: open_space_t
   use schedule, only: schedule_t, new_schedule
   use series_file, only: series_file_t, column_t
   implicit none
@@ -35,6 +36,7 @@ module monitors
     type(schedule_t) :: schedule
     type(sample_t), allocatable :: samples(:)
     real(wp), allocatable :: sums(:,:)        !< (most_sums, samples) of this rank
+    real(wp), allocatable :: open(:)          !< (samples) part of each that is open to the gas; where walls block it and it counts
   end type monitor_t
 
   type :: monitors_t
@@ -51,7 +53,7 @@ module monitors
 contains
 
   !> Set up the monitors of a case, and their tables.
-  subroutine create(self, settings, interval, mesh, series, after, boxes)
+  subroutine create(self, settings, interval, mesh, series, after, boxes, space)
     class(monitors_t), intent(out) :: self
     type(monitor_settings_t), intent(in) :: settings(:)
     real(wp), intent(in) :: interval                 !< of those that name none; unset: every step [s]
@@ -59,6 +61,7 @@ contains
     type(series_file_t), intent(inout) :: series
     real(wp), intent(in), optional :: after          !< of a continued run [s]
     type(boxes_t), intent(in), optional :: boxes     !< of the gas
+    type(open_space_t), intent(in), optional :: space  !< that walls leave to it
 
     integer :: i, s
     real(wp) :: own_interval
@@ -77,10 +80,35 @@ contains
           if (quantities(m%place)%is_flux) call weigh_faces(m%samples(s), boxes, mesh)
           if (.not. quantities(m%place)%is_flux) call weigh_cells(m%samples(s), boxes, mesh)
         end do
+        if (present(space)) call find_open(m, boxes, mesh, space)
         call add_table(m, settings(i), series)
       end associate
     end do
   end subroutine create
+
+  !> The open parts of the samples of a mean over the gas, or of a volume fraction of the parcels.
+  subroutine find_open(monitor, boxes, mesh, space)
+    type(monitor_t), intent(inout) :: monitor
+    type(boxes_t), intent(in) :: boxes
+    type(mesh_t), intent(in) :: mesh
+    type(open_space_t), intent(in) :: space
+
+    type(sample_t), allocatable :: samples(:)
+    integer :: s
+
+    associate (q => quantities(monitor%place))
+      if (q%is_flux .or. .not. (q%of_gas .or. q%name == 'solids_volume_fraction')) return
+      allocate (samples, source=monitor%samples)
+      if (.not. q%of_gas) then
+        do s = 1, size(samples)
+          samples(s)%lower = samples(s)%low
+          samples(s)%upper = samples(s)%high
+          call weigh_cells(samples(s), boxes, mesh)
+        end do
+      end if
+    end associate
+    monitor%open = boxes%comm%sum([(weighted_sum(samples(s), space%volume), s=1, size(samples))])
+  end subroutine find_open
 
   subroutine add_table(monitor, settings, series)
     type(monitor_t), intent(inout) :: monitor
@@ -121,13 +149,14 @@ contains
   end function any_due
 
   !> Measure the gas in my box; all fields have two layers of halo.
-  subroutine measure_gas(self, pressure, eps, velocity, flux, density)
+  subroutine measure_gas(self, pressure, eps, velocity, flux, density, space)
     class(monitors_t), intent(inout) :: self
     real(wp), intent(in) :: pressure(-1:, -1:, -1:)     !< [Pa]
     real(wp), intent(in) :: eps(-1:, -1:, -1:)          !< void fraction [-]
     real(wp), intent(in) :: velocity(-1:, -1:, -1:, :)  !< (face above the cell, component) [m/s]
     real(wp), intent(in) :: flux(-1:, -1:, -1:, :)      !< mass flow through the same faces [kg/s]
     real(wp), intent(in), optional :: density(-1:, -1:, -1:)  !< if it varies [kg/m3]
+    type(open_space_t), intent(in), optional :: space   !< as when they were created
 
     integer :: i, s
 
@@ -137,15 +166,15 @@ contains
         do s = 1, size(m%samples)
           select case (quantities(m%place)%name)
           case ('pressure')
-            m%sums(1, s) = weighted_sum(m%samples(s), pressure)
+            m%sums(1, s) = weighted_sum(m%samples(s), pressure, space=space)
           case ('void_fraction')
-            m%sums(1, s) = weighted_sum(m%samples(s), eps)
+            m%sums(1, s) = weighted_sum(m%samples(s), eps, space=space)
           case ('gas_velocity')
-            m%sums(1:3, s) = mean_velocity(m%samples(s), velocity)
+            m%sums(1:3, s) = mean_velocity(m%samples(s), velocity, space=space)
           case ('superficial_velocity')
-            m%sums(1:3, s) = mean_velocity(m%samples(s), velocity, eps)
+            m%sums(1:3, s) = mean_velocity(m%samples(s), velocity, eps, space)
           case ('gas_density')
-            m%sums(1, s) = weighted_sum(m%samples(s), density)
+            m%sums(1, s) = weighted_sum(m%samples(s), density, space=space)
           case ('gas_mass_flux')
             m%sums(1, s) = weighted_sum(m%samples(s), flux(:, :, :, m%normal))
           case default
@@ -157,15 +186,16 @@ contains
   end subroutine measure_gas
 
   !> Mean over a sample of the velocity in the cells, times `scale` if it is given.
-  pure function mean_velocity(sample, velocity, scale) result(mean)
+  pure function mean_velocity(sample, velocity, scale, space) result(mean)
     type(sample_t), intent(in) :: sample
     real(wp), intent(in) :: velocity(-1:, -1:, -1:, :)
     real(wp), intent(in), optional :: scale(-1:, -1:, -1:)
+    type(open_space_t), intent(in), optional :: space
     real(wp) :: mean(3)
 
     integer :: a
 
-    mean = [(weighted_sum(sample, velocity(:, :, :, a), a, scale), a=1, 3)]
+    mean = [(weighted_sum(sample, velocity(:, :, :, a), a, scale, space), a=1, 3)]
   end function mean_velocity
 
   !> Measure my parcels.
@@ -236,19 +266,19 @@ contains
     end associate
   end function terms
 
-  !> The quantity from the sums of all ranks; "not a number" for a mean over no parcels.
-  pure function value_of(monitor, sample, sums) result(value)
+  !> The quantity from the sums of all ranks; "not a number" for a mean over no parcels or nothing open.
+  pure function value_of(monitor, s, sums) result(value)
     type(monitor_t), intent(in) :: monitor
-    type(sample_t), intent(in) :: sample
+    integer, intent(in) :: s                 !< the sample
     real(wp), intent(in) :: sums(most_sums)
     real(wp) :: value(3)
 
     value = sums(1:3)
     select case (quantities(monitor%place)%name)
     case ('solids_volume_fraction')
-      value(1) = sums(1)/product(sample%high - sample%low)
+      value(1) = sums(1)/product(monitor%samples(s)%high - monitor%samples(s)%low)
     case ('parcel_mass_flux', 'particle_flux')
-      value(1) = sums(1)/(sample%high(monitor%normal) - sample%low(monitor%normal))
+      value(1) = sums(1)/(monitor%samples(s)%high(monitor%normal) - monitor%samples(s)%low(monitor%normal))
     case ('parcel_velocity', 'mean_position', 'granular_temperature', 'mean_diameter', 'sauter_diameter')
       if (sums(4) <= 0.0_wp) then
         value = ieee_value(1.0_wp, ieee_quiet_nan)
@@ -258,6 +288,12 @@ contains
       if (quantities(monitor%place)%name == 'granular_temperature') value(1) = (sums(5)/sums(4) - dot_product(value, value))/3
     case default   ! the sum itself
     end select
+    if (.not. allocated(monitor%open)) return
+    if (monitor%open(s) > 0.0_wp) then
+      value = value/monitor%open(s)
+    else
+      value = ieee_value(1.0_wp, ieee_quiet_nan)
+    end if
   end function value_of
 
   !> Add up what all ranks measured, and append it to the tables of the monitors that were due.
@@ -283,7 +319,7 @@ contains
     do i = 1, size(widths)
       if (widths(i) == 0) cycle
       do s = 1, widths(i)
-        values(:, s) = value_of(self%monitors(i), self%monitors(i)%samples(s), sums(:, from + s))
+        values(:, s) = value_of(self%monitors(i), s, sums(:, from + s))
       end do
       associate (m => self%monitors(i))
         call series%append(m%table, time, pack(values(:quantities(m%place)%components, :widths(i)), .true.))

@@ -82,7 +82,8 @@ contains
     if (outcome%failed()) return
     call self%series%add_table('/series', columns_of(scene), self%table)
     if (scene%with_gas) then
-      call self%monitors%create(case%monitors, case%output%monitor_interval, scene%mesh, self%series, after, scene%boxes)
+      call self%monitors%create(case%monitors, case%output%monitor_interval, scene%mesh, self%series, after, scene%boxes, &
+                                scene%gas%space)
     else
       call self%monitors%create(case%monitors, case%output%monitor_interval, scene%mesh, self%series, after)
     end if
@@ -249,9 +250,9 @@ contains
     if (scene%with_gas) then
       associate (gas => scene%gas)
         if (allocated(gas%ideal)) then
-          call self%monitors%measure_gas(gas%pressure, gas%eps, gas%velocity, gas%flux, gas%ideal%density)
+          call self%monitors%measure_gas(gas%pressure, gas%eps, gas%velocity, gas%flux, gas%ideal%density, gas%space)
         else
-          call self%monitors%measure_gas(gas%pressure, gas%eps, gas%velocity, gas%flux)
+          call self%monitors%measure_gas(gas%pressure, gas%eps, gas%velocity, gas%flux, space=gas%space)
         end if
       end associate
     end if

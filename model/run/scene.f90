@@ -9,7 +9,7 @@
 !> than the time the parcels have moved unseen, it sees that share of the change, and the rest in the next steps:
 !> the rate of change stays what it was, and no gas volume is lost.
 module scene
-  use blocking_walls, only: new_blocking_walls
+  use blocking_walls, only: blocking_walls_t, new_blocking_walls
   use boxes, only: boxes_t, new_boxes
   use case, only: case_t
   use communicator, only: communicator_t
@@ -123,8 +123,19 @@ contains
     type(open_space_t), allocatable, intent(out) :: space
     type(outcome_t), intent(inout) :: outcome
 
+    type(blocking_walls_t) :: walls
+    integer :: a
+
+    walls = new_blocking_walls(case%walls, case%surfaces, self%mesh)
+    do a = 1, 3
+      if (.not. self%mesh%periodic(a)) cycle
+      if (walls%meet_alike(self%mesh, a)) cycle
+      call outcome%fail(exit_input, 'the walls leave different parts of the two faces across '//'xyz'(a:a)//' to the gas, and ' &
+                        //'these are joined (periodic)')
+      return
+    end do
     allocate (space)
-    call new_open_space(self%boxes, self%mesh, new_blocking_walls(case%walls, case%surfaces, self%mesh), space)
+    call new_open_space(self%boxes, self%mesh, walls, space)
     if (all(space%first_open > 0)) return
     call outcome%fail(exit_input, 'the walls leave no cell to the gas: see gas_side of &wall')
   end subroutine find_space

@@ -13,6 +13,7 @@ program test_monitors
   use mesh, only: mesh_t, new_uniform_mesh
   use monitor_settings, only: monitor_settings_t
   use monitors, only: monitors_t
+  use open_space, only: open_space_t
   use outcome, only: outcome_t
   use provenance, only: provenance_t
   use series_file, only: series_file_t
@@ -40,6 +41,11 @@ program test_monitors
     call test_planes()
     call test_parcels()
     call test_times()
+  end if
+  file = 'build/tests/monitors_open_'//achar(iachar('0') + comm%size)//'.h5'
+  call measure(half_closed())
+  if (comm%is_root()) then
+    call test_open()
     call finish()
   end if
   call stop_hdf5()
@@ -92,22 +98,25 @@ contains
       monitor('up', 'plane', 'parcel_mass_flux', [1.0_wp, 0.25_wp, -0.4_wp], [1.8_wp, 0.25_wp, 0.4_wp]), &
       monitor('particles_up', 'plane', 'particle_flux', [1.0_wp, 0.25_wp, -0.4_wp], [1.8_wp, 0.25_wp, 0.4_wp]), &
       monitor('nothing', 'box', 'sauter_diameter', [1.0_wp, 0.59_wp, -0.4_wp], upper), &
+      monitor('shut', 'box', 'pressure', lower, [1.2_wp, 0.6_wp, 0.4_wp]), &
       monitor('counts', 'line', 'parcel_count', [1.35_wp, 0.0_wp, 0.1_wp], [1.35_wp, 0.6_wp, 0.1_wp])]
   end function all_monitors
 
   !> Four times, 0.1 s apart. The pressure is linear, the void fraction 0.4 below and 0.8 above y = 0.3 m.
-  subroutine measure()
+  subroutine measure(space)
+    type(open_space_t), intent(in), optional :: space
+
     type(monitors_t) :: monitors
     type(series_file_t) :: series
     integer :: step
     logical :: due
 
     call series%open(file, comm, provenance_t('t', 'v', 'c', 'case'), outcome)
-    call monitors%create(all_monitors(), unset, mesh, series, boxes=boxes)
+    call monitors%create(all_monitors(), unset, mesh, series, boxes=boxes, space=space)
     do step = 0, 3
       due = monitors%any_due(0.1_wp*step)
       if (.not. due) call outcome%fail(1, 'monitors without an interval are not due')
-      call measure_fields(monitors)
+      call measure_fields(monitors, space)
       call measure_cloud(monitors)
       call monitors%record(0.1_wp*step, comm, series)
     end do
@@ -115,8 +124,9 @@ contains
   end subroutine measure
 
   !> Velocity component a on its faces is linear in coordinate a; a mass flow is 1000 times its component plus y.
-  subroutine measure_fields(monitors)
+  subroutine measure_fields(monitors, space)
     type(monitors_t), intent(inout) :: monitors
+    type(open_space_t), intent(in), optional :: space
 
     real(wp), allocatable :: p(:,:,:), eps(:,:,:), u(:,:,:,:), flux(:,:,:,:)
     real(wp) :: x(3), face(3)
@@ -143,8 +153,50 @@ contains
         end do
       end do
     end associate
-    call monitors%measure_gas(p, eps, u, flux)
+    call monitors%measure_gas(p, eps, u, flux, space)
   end subroutine measure_fields
+
+  !> Walls that close the first three cells in x and half of the fourth, which the gas enters from above.
+  function half_closed() result(space)
+    type(open_space_t) :: space
+
+    integer :: i
+
+    associate (n => boxes%n)
+      allocate (space%volume(-1:n(1) + 2, -1:n(2) + 2, -1:n(3) + 2), source=1.0_wp)
+      allocate (space%upper(-1:n(1) + 2, -1:n(2) + 2, -1:n(3) + 2, 3), source=0.5_wp)
+      do i = -1, n(1) + 2
+        if (boxes%lo(1) + i - 1 < 4) space%volume(i, :, :) = 0.0_wp
+        if (boxes%lo(1) + i - 1 == 4) space%volume(i, :, :) = 0.5_wp
+        if (boxes%lo(1) + i - 1 == 4) space%upper(i, :, :, 1) = 1.0_wp
+      end do
+    end associate
+  end function half_closed
+
+  !> Means over what is open: of the box 0.5 of cell 4, cell 5 and 0.2 of cell 6, of the 3.5 cells that it is wide.
+  subroutine test_open()
+    real(wp) :: x(3), u(3), v(3), m, d, w, solids, shut(1)
+    integer :: i
+
+    x = box_centre()
+    x(1) = lower(1) + 0.1_wp*(0.5_wp*3.5_wp + 4.5_wp + 0.2_wp*5.5_wp)/1.7_wp
+    call expect_close(sum(row('box', 'pressure', 1)), pressure(x), 1.0e-12_wp, 'mean over what is open of a box')
+    x(1) = lower(1) + 0.1_wp*(0.5_wp*4.0_wp + 4.5_wp + 0.2_wp*5.5_wp)/1.7_wp
+    u = row('u', 'gas_velocity', 3)
+    call expect(all(abs(u - [1, 2, 3]*x) < 1.0e-12_wp), 'gas velocity there, that of faces by their open areas')
+    call expect_close(sum(row('eps', 'void_fraction', 1)), 0.6_wp, 1.0e-12_wp, 'void fraction of what is open')
+    call expect_close(sum(row('half', 'gas_mass_flux', 1)), 3.5_wp*4*2000.3_wp, 1.0e-12_wp, 'a flux is what it is')
+    solids = 0
+    do i = 1, 1000
+      call parcel(i, x, v, m, d, w)
+      if (any(x < [1.17_wp, 0.11_wp, -0.3_wp] .or. x > [1.52_wp, 0.37_wp, 0.1_wp])) cycle
+      solids = solids + w*pi/6*d**3
+    end do
+    call expect_close(sum(row('solids', 'solids_volume_fraction', 1)), solids/(0.17_wp*0.26_wp*0.4_wp), 1.0e-12_wp, &
+                      'solids over what is open')
+    shut = row('shut', 'pressure', 1)
+    call expect(ieee_is_nan(shut(1)), 'a mean over closed cells is not a number')
+  end subroutine test_open
 
   pure function pressure(x) result(p)
     real(wp), intent(in) :: x(3)
