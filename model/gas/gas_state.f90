@@ -9,8 +9,10 @@ module gas_state
   use boundary_settings, only: boundary_settings_t
   use boxes, only: boxes_t
   use convection, only: limiter_index
+  use free_levels, only: free_levels_t, one_level
   use gas_boundary, only: gas_boundary_t, new_gas_boundary
   use gas_numerics, only: gas_numerics_t
+  use gas_parts, only: settle_parts
   use gas_settings, only: gas_settings_t
   use halo, only: halo_t, new_halo
   use kinds, only: wp
@@ -88,13 +90,12 @@ module gas_state
     type(gas_report_t) :: report
     type(driving_t) :: driving
     type(ideal_gas_t), allocatable :: ideal         !< exists if the density varies
-    logical :: floating                             !< nothing gives the level of the pressure
     real(wp) :: time = 0.0_wp                       !< at the start of the step; its owner sets it where inflows change [s]
     real(wp) :: density                             !< of an ideal gas at the pressure of &gas [kg/m3]
     real(wp) :: viscosity                           !< dynamic [Pa s]
     real(wp) :: gravity(3) = 0.0_wp                 !< [m/s2]; its owner sets it before the first step
     integer :: limiter
-    integer :: level_cell(3) = 1                    !< of my box, or outside it: keeps its pressure where none is given
+    type(free_levels_t) :: levels                   !< where no pressure is given
     integer :: first(3, 3) = 1                      !< (b, a): first unknown of component a along b; 0 across the low side
     real(wp), allocatable :: eps(:,:,:)             !< void fraction at the end of the step [-]
     real(wp), allocatable :: eps_old(:,:,:)         !< and at its start
@@ -152,35 +153,38 @@ contains
     call allocate_fields(state, boxes%n)
     call set_spacing(state)
     call mark_faces(state)
-    state%level_cell = 2 - boxes%lo
-    if (present(space)) call narrow(state, space)
+    if (present(space)) then
+      state%space = space
+      call settle_parts(boxes, mesh, state%boundary, state%space, state%levels, outcome)
+      if (outcome%failed()) return
+      call narrow(state)
+    else if (.not. state%boundary%any_open) then
+      state%levels = one_level(boxes)
+    end if
     do a = 1, 3
       state%velocity(:, :, :, a) = settings%velocity(a)*state%free(:, :, :, a)
     end do
     state%pressure = settings%pressure
     call set_outer_pressure(state)
-    state%floating = .not. state%boundary%any_open .and. settings%density_law == 'constant'
-    if (present(space)) then
-      call state%solver%create(boxes, state%floating, state%level_cell, space%closed)
+    if (settings%density_law == 'ideal') state%levels = free_levels_t()  ! its density gives it one
+    if (allocated(state%space)) then
+      call state%solver%create(boxes, state%levels, state%space%closed)
     else
-      call state%solver%create(boxes, state%floating, state%level_cell)
+      call state%solver%create(boxes, state%levels)
     end if
   end subroutine create_state
 
   !> Leave to the gas what is open. The box of the domain is wall as far as its faces are open.
-  subroutine narrow(state, space)
+  subroutine narrow(state)
     class(gas_state_t), intent(inout) :: state
-    type(open_space_t), intent(in) :: space
 
     integer :: a, end, lo(3), hi(3), in(3)
 
-    state%space = space
-    where (space%volume > 0.0_wp) state%volume = space%volume*state%volume
-    where (.not. space%area > 0.0_wp) state%free = 0.0_wp
-    state%level_cell = space%first_open + 1 - state%boxes%lo
+    where (state%space%volume > 0.0_wp) state%volume = state%space%volume*state%volume
+    where (.not. state%space%area > 0.0_wp) state%free = 0.0_wp
     do a = 1, 3
       do end = 1, 2
-        associate (side => state%boundary%side(end, a))
+        associate (side => state%boundary%side(end, a), space => state%space)
           if (.not. side%mine) cycle
           lo = lbound(side%grip)
           hi = ubound(side%grip)

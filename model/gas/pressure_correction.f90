@@ -211,7 +211,7 @@ contains
     class(gas_state_t), intent(inout) :: state
 
     integer :: i, j, k
-    real(wp) :: scale, level
+    real(wp) :: scale
 
     scale = state%viscosity/state%density
     associate (n => state%boxes%n, p => state%correction)
@@ -222,16 +222,8 @@ contains
           end do
         end do
       end do
-      level = 0.0_wp
-      if (state%floating) then
-        ! nothing gives the level of the pressure: one cell of the grid keeps its own
-        associate (c => state%level_cell)
-          if (all(c >= 1 .and. c <= n)) level = p(c(1), c(2), c(3))
-        end associate
-        level = state%boxes%comm%sum(level)
-      end if
-      state%pressure(1:n(1), 1:n(2), 1:n(3)) = state%pressure(1:n(1), 1:n(2), 1:n(3)) &
-        + (p(1:n(1), 1:n(2), 1:n(3)) - level)
+      if (state%levels%n > 0) call state%levels%keep_levels(state%boxes%comm, p(1:n(1), 1:n(2), 1:n(3)))
+      state%pressure(1:n(1), 1:n(2), 1:n(3)) = state%pressure(1:n(1), 1:n(2), 1:n(3)) + p(1:n(1), 1:n(2), 1:n(3))
     end associate
   end subroutine add_correction
 

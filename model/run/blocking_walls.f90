@@ -16,6 +16,8 @@ module blocking_walls
   real(wp), parameter :: flush = 1.0e-6_wp  !< of a shell's length: by how much it goes on beyond its ends
   real(wp), parameter :: near_wall = 0.01_wp  !< of a cell: too close to a wall to tell one side from the other
 
+  real(wp), parameter :: aside(3) = [0.613e-7_wp, 0.379e-7_wp, 0.0_wp]  !< over the size of a mesh: where a ray starts
+
   type, extends(level_t) :: blocking_walls_t
     type(plane_t), allocatable :: planes(:)
     type(shell_t), allocatable :: shells(:)
@@ -185,16 +187,18 @@ contains
     if (.not. is_within(body, x)) depth = -depth
   end function depth_in
 
-  !> Whether a point is within a closed mesh: a ray up from it goes through an odd number of triangles.
-  pure function is_within(mesh, x) result(within)
+  !> Whether a point is within a closed mesh: a ray up from it goes through an odd number of triangles. It starts a little beside
+  !> the point, as grids are often in line with walls, whose triangles would be seen from their edges.
+  pure function is_within(mesh, place) result(within)
     type(mesh_wall_t), intent(in) :: mesh
-    real(wp), intent(in) :: x(3)  !< [m]
+    real(wp), intent(in) :: place(3)  !< [m]
     logical :: within
 
     integer :: lo(3), hi(3), k, cell, m
-    real(wp) :: above(3)
+    real(wp) :: x(3), above(3)
 
     within = .false.
+    x = place + aside*mesh%grid%width*maxval(mesh%grid%n)
     above = [x(1), x(2), mesh%grid%lower(3) + mesh%grid%n(3)*mesh%grid%width]
     call mesh%grid%range_of(x, above, lo, hi)
     if (any(hi(1:2) < lo(1:2))) return

@@ -275,6 +275,9 @@ contains
       associate (space => self%scene%gas%space)
         call self%progress%say('walls leave '//brief(space%open_volume)//' m3 to the gas; '//shown(space%lost_cells) &
                                //' cells that are hardly open are closed, with '//brief(space%lost_volume)//' m3')
+        if (space%pockets > 0) call self%progress%say('warning: '//shown(space%pockets)//' parts of the domain with ' &
+          //brief(space%pocket_volume)//' m3 have no way to an outflow and are closed to the gas, the first about (' &
+          //brief(space%pocket_place(1))//', '//brief(space%pocket_place(2))//', '//brief(space%pocket_place(3))//') m')
       end associate
     end if
     if (self%scene%with_parcels) call self%progress%say( &

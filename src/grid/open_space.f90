@@ -39,6 +39,11 @@ module open_space
     real(wp) :: open_volume = 0.0_wp            !< of the whole grid [m3]
     real(wp) :: lost_volume = 0.0_wp            !< that is open but in closed cells [m3]
     integer :: lost_cells = 0                   !< which are so many
+    integer :: pockets = 0                      !< parts without a way out that are closed
+    real(wp) :: pocket_volume = 0.0_wp          !< of all of them [m3]
+    real(wp) :: pocket_place(3) = 0.0_wp        !< of a cell of the first [m]
+  contains
+    procedure :: shut_off
   end type open_space_t
 
 contains
@@ -251,10 +256,40 @@ contains
     call find_first(boxes, space)
   end subroutine close_cells
 
+  !> Close cells that no open face connects with the others.
+  subroutine shut_off(self, boxes, mesh, shut)
+    class(open_space_t), intent(inout) :: self
+    type(boxes_t), intent(in) :: boxes
+    type(mesh_t), intent(in) :: mesh
+    logical, intent(in) :: shut(-1:, -1:, -1:)  !< those of my box and its halo
+
+    integer :: a, i, j, k, e(3), n(3)
+
+    n = boxes%n
+    associate (inner => shut(1:n(1), 1:n(2), 1:n(3)))
+      self%pocket_volume = boxes%comm%sum(sum(self%volume(1:n(1), 1:n(2), 1:n(3))*mesh%volumes(boxes%lo, boxes%hi), inner))
+      self%closed = self%closed .or. inner
+    end associate
+    self%open_volume = self%open_volume - self%pocket_volume
+    where (shut) self%volume = 0.0_wp
+    do a = 1, 3
+      e = 0
+      e(a) = 1
+      do k = -1, n(3) + 1
+        do j = -1, n(2) + 1
+          do i = -1, n(1) + 1
+            if (shut(i, j, k) .or. shut(i + e(1), j + e(2), k + e(3))) self%area(i, j, k, a) = 0.0_wp
+          end do
+        end do
+      end do
+    end do
+    call find_first(boxes, self)
+  end subroutine shut_off
+
   !> The open cell of the lowest number in the whole grid.
   subroutine find_first(boxes, space)
     type(boxes_t), intent(in) :: boxes
-    type(open_space_t), intent(inout) :: space
+    class(open_space_t), intent(inout) :: space
 
     real(wp) :: number, lowest
     integer :: cell(3), i, j, k

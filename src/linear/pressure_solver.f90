@@ -3,11 +3,12 @@
 !>   sum over the faces of a cell of c_f (p_cell - p_beyond) = b,     c_f >= 0
 !>
 !> with p_beyond = 0 behind a boundary face of given pressure and c_f = 0 at a face of given velocity.
-!> Where no pressure is given anywhere its level is free: it is held near 0 in the first cell of the grid. Cells that store
-!> what their pressure asks for add a capacity s_cell p_cell on the left; with them no level is free.
+!> Where no pressure is given its level is free: it is held near 0 in a cell, see free_levels. Cells that store what their
+!> pressure asks for add a capacity s_cell p_cell on the left; with them no level is free.
 module pressure_solver
   use boxes, only: boxes_t
   use communicator, only: communicator_t
+  use free_levels, only: free_levels_t
   use hypre_struct, only: hypre_struct_t
   use kinds, only: wp
   implicit none
@@ -23,10 +24,7 @@ module pressure_solver
     integer :: n(3)                             !< cells of my box
     logical :: coupled(3)                       !< directions in which a cell has another neighbour than itself
     logical :: at_high(3)                       !< whether the faces above my last cells are the domain's surface
-    logical :: floating                         !< no pressure is given anywhere
-    integer :: level_cell(3)                    !< in whose row the level is drawn to 0, counted in my box
-    logical :: with_level                       !< whether it is in my box
-    real(wp) :: cells                           !< number of cells of the grid that are not closed
+    type(free_levels_t) :: levels               !< where no pressure is given
     logical, allocatable :: closed(:,:,:)       !< (cells) those without a pressure; exists if there may be any
     real(wp), allocatable :: values(:,:,:,:)    !< (4, cells) diagonal; x, y, z upper neighbour
     real(wp), allocatable :: solution(:,:,:)
@@ -39,25 +37,18 @@ module pressure_solver
 
 contains
 
-  subroutine create(self, boxes, floating, level_cell, closed)
+  subroutine create(self, boxes, levels, closed)
     class(pressure_solver_t), intent(inout) :: self
     type(boxes_t), intent(in) :: boxes
-    logical, intent(in) :: floating  !< no boundary face has a given pressure
-    integer, intent(in) :: level_cell(3)             !< one cell of the grid that is not closed, counted in my box from 1
+    type(free_levels_t), intent(in) :: levels        !< that no boundary face gives
     logical, intent(in), optional :: closed(:,:,:)   !< (cells) cells that no face connects
 
     self%comm = boxes%comm
     self%n = boxes%n
     self%coupled = boxes%cells > 1 .or. .not. boxes%periodic
     self%at_high = boxes%at_high
-    self%floating = floating
-    self%level_cell = level_cell
-    self%with_level = all(level_cell >= 1 .and. level_cell <= boxes%n)
-    self%cells = product(real(boxes%cells, wp))
-    if (present(closed)) then
-      self%closed = closed
-      self%cells = boxes%comm%sum(real(count(.not. closed), wp))
-    end if
+    self%levels = levels
+    if (present(closed)) self%closed = closed
     allocate (self%values(4, boxes%n(1), boxes%n(2), boxes%n(3)), source=0.0_wp)
     allocate (self%solution(boxes%n(1), boxes%n(2), boxes%n(3)), source=0.0_wp)
     call self%hypre%create(boxes%comm%handle%mpi_val, boxes%lo, boxes%hi, &
@@ -70,7 +61,7 @@ contains
     real(wp), intent(in), contiguous :: conductance(-1:, -1:, -1:, :)  !< (cell, a): c_f of its upper face across a
     real(wp), intent(in), optional :: capacity(:,:,:)                  !< (cells) s_cell, none if not given
 
-    integer :: a, i, j, k, e(3), inner(3)
+    integer :: a, i, j, k, p, e(3), inner(3)
     real(wp) :: usual
 
     self%values = 0.0_wp
@@ -97,11 +88,11 @@ contains
       end do
     end do
     ! doubling one diagonal draws the level there to 0 and leaves the other equations as they are
-    if (self%floating .and. self%with_level) then
-      associate (c => self%level_cell)
-        self%values(1, c(1), c(2), c(3)) = 2*self%values(1, c(1), c(2), c(3))
+    do p = 1, self%levels%n
+      associate (c => self%levels%cell(:, p))
+        if (self%levels%is_mine(p, self%n)) self%values(1, c(1), c(2), c(3)) = 2*self%values(1, c(1), c(2), c(3))
       end associate
-    end if
+    end do
     if (allocated(self%closed)) then
       usual = self%comm%max(maxval(self%values(1, :, :, :)))
       where (self%closed) self%values(1, :, :, :) = usual
@@ -126,7 +117,7 @@ contains
     real(wp), intent(inout), contiguous :: p(-1:, -1:, -1:)  !< its cells are set, its halo is left
     integer, intent(out) :: iterations
 
-    if (self%floating) b = b - self%comm%sum(sum(b))/self%cells
+    if (self%levels%n > 0) call self%levels%leave_out_means(self%comm, b)
     if (allocated(self%closed)) then
       where (self%closed) b = 0.0_wp
     end if

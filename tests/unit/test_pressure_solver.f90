@@ -3,6 +3,7 @@ program test_pressure_solver
   use boxes, only: boxes_t, new_boxes
   use check, only: expect, expect_close, finish
   use communicator, only: communicator_t, start_ranks, stop_ranks
+  use free_levels, only: free_levels_t, one_level
   use halo, only: halo_t, new_halo
   use kinds, only: wp
   use outcome, only: outcome_t
@@ -37,6 +38,7 @@ contains
     type(halo_t) :: halo
     type(outcome_t) :: outcome
     type(pressure_solver_t) :: solver
+    type(free_levels_t) :: levels
     real(wp), allocatable :: c(:,:,:,:), b(:,:,:), p(:,:,:)
     real(wp) :: left, given
     integer :: iterations
@@ -45,7 +47,8 @@ contains
     call new_boxes(comm, cells, periodic, boxes, outcome)
     halo = new_halo(boxes)
     call make_problem(boxes, halo, outflow, c, b, p)
-    call solver%create(boxes, outflow == 0, 2 - boxes%lo)
+    if (outflow == 0) levels = one_level(boxes)
+    call solver%create(boxes, levels)
     call solver%set_matrix(c)
     given = sqrt(comm%sum(sum(b**2)))
     call solver%solve(b, reduction, p, iterations)
