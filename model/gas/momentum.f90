@@ -11,7 +11,7 @@ module momentum
   use gas_state, only: gas_state_t, wall_t, unit_step
   use kinds, only: wp
   use momentum_cells, only: sweep_t, new_sweep, find_crossing, wall_conductance, wall_push
-  use narrow_momentum, only: add_walls
+  use narrow_momentum, only: add_walls, tilt_rows
   implicit none
   private
   public :: prepare_momentum, assemble_momentum, drive
@@ -189,6 +189,7 @@ contains
       do b = 1, 3
         call close_ends(state, a, b)
       end do
+      if (allocated(state%space)) call tilt_rows(state, a)
       call keep_given(state, a)
     end do
   end subroutine assemble_momentum

@@ -5,14 +5,17 @@
 !>
 !>   sum of mu eps A_wall u/y
 !>
-!> with the distance y of the middle of the open part of the face from the wall: a straight line to it, first order.
+!> with the distance y of the middle of the open part of the face from the wall: a straight line to it. The stress between two
+!> flows is that where their common surface is, which may be beside the middles of both: `tilts` of open_space. Without that the
+!> friction would be of first order.
 !> Weight acts on the open area times the distance of the pressures beside it, so that a gas at rest stays so.
 module narrow_momentum
   use gas_state, only: gas_state_t, unit_step
   use kinds, only: wp
+  use open_space, only: tilt_t
   implicit none
   private
-  public :: add_walls
+  public :: add_walls, tilt_rows
 
 contains
 
@@ -51,5 +54,53 @@ contains
       end do
     end associate
   end subroutine add_walls
+
+  !> Add to rows that are otherwise complete what the stress between flows is more than that of their middles.
+  subroutine tilt_rows(state, a)
+    class(gas_state_t), intent(inout) :: state
+    integer, intent(in) :: a
+
+    real(wp) :: more(2)
+    integer :: m, x(3)
+
+    associate (s => state%stencil(a))
+      do m = 1, size(state%space%tilts)
+        associate (tilt => state%space%tilts(m))
+          if (tilt%a /= a) cycle
+          more = tilt%more*ease(state, tilt)
+          x = tilt%face
+          if (all(x >= s%lo .and. x <= s%n)) then
+            s%centre(x(1), x(2), x(3)) = s%centre(x(1), x(2), x(3)) + more(1)
+            s%high(x(1), tilt%b, x(2), x(3)) = s%high(x(1), tilt%b, x(2), x(3)) + more(2)
+          end if
+          x = tilt%face + unit_step(tilt%b)
+          if (all(x >= s%lo .and. x <= s%n)) then
+            s%centre(x(1), x(2), x(3)) = s%centre(x(1), x(2), x(3)) + more(2)
+            s%low(x(1), tilt%b, x(2), x(3)) = s%low(x(1), tilt%b, x(2), x(3)) + more(1)
+          end if
+        end associate
+      end do
+    end associate
+  end subroutine tilt_rows
+
+  !> Viscous stress times area between two flows over the difference of their velocities, as in momentum_cells [kg/s].
+  pure function ease(state, tilt)
+    class(gas_state_t), intent(in) :: state
+    type(tilt_t), intent(in) :: tilt
+    real(wp) :: ease
+
+    integer :: x(3), s(3), e(3), along
+
+    x = tilt%face
+    e = unit_step(tilt%a)
+    s = unit_step(tilt%b)
+    along = 6 - tilt%a - tilt%b
+    associate (eps => state%eps, spacing => state%spacing)
+      ease = 0.25_wp*state%viscosity*state%space%bridge(x(1), x(2), x(3), tilt%b, tilt%a) &
+        *spacing(along)%width(x(along))*spacing(tilt%a)%gap(x(tilt%a))/spacing(tilt%b)%gap(x(tilt%b)) &
+        *(eps(x(1), x(2), x(3)) + eps(x(1) + e(1), x(2) + e(2), x(3) + e(3)) + eps(x(1) + s(1), x(2) + s(2), x(3) + s(3)) &
+          + eps(x(1) + e(1) + s(1), x(2) + e(2) + s(2), x(3) + e(3) + s(3)))
+    end associate
+  end function ease
 
 end module narrow_momentum

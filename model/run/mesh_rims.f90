@@ -1,4 +1,5 @@
-!> How meshes that block the gas end at the domain: a tube may go on beyond its faces, with or without lids, or have its rims on them.
+!> How meshes that block the gas end at the domain: a tube may go on beyond its faces, with or without lids, or have its rims on
+!> them.
 !>
 !> Corners on a face count as beyond it. What is beyond one face as a whole is no wall: the gas and the parcels come to the face
 !> itself. To tell inside from outside every rim gets a cone, whose tip is far out; as it does not come into the domain, its shape
@@ -38,7 +39,6 @@ contains
     real(wp), intent(in) :: lower(3), upper(3)  !< corners of the domain [m]
     type(surface_t) :: body
 
-    real(wp), allocatable :: places(:,:)
     real(wp) :: tip(3)
     integer, allocatable :: rim(:), cones(:,:)
     integer :: r, e, face, a
@@ -47,9 +47,10 @@ contains
     allocate (rim, source=rims(body))
     allocate (cones(3, size(rim)))
     do r = 1, maxval([0, rim])
-      places = rim_places(body, rim, r)
-      tip = sum(places, 2)/size(places, 2)
-      face = face_beyond(places, lower, upper)
+      associate (places => rim_places(body, rim, r))
+        tip = sum(places, 2)/size(places, 2)
+        face = face_beyond(places, lower, upper)
+      end associate
       a = (face + 1)/2
       if (face /= no_face) tip(a) = tip(a) + merge(-1, 1, modulo(face, 2) == 1)*(upper(a) - lower(a))
       body%vertex = reshape([body%vertex, tip], [3, size(body%vertex, 2) + 1])

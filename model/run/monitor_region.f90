@@ -1,10 +1,10 @@
 !> The region of a monitor: which of my gas cells and which parcels belong to it, and by how much.
 !>
-!> Of the gas: a mean over what is open to it. Along a direction in which the region has an extent, a cell counts by how much of it is inside;
-!> along a direction in which it has none, the two cells around it count as in linear interpolation between their
-!> centres. The weights of all cells of all ranks add up to 1; where walls block the gas a cell counts by its weight times its
-!> open part, and the sum is divided by that of the open parts. Through a plane: the faces nearest to it count by how
-!> much of them is inside.
+!> Of the gas: a mean over what is open to it. Along a direction in which the region has an extent, a cell counts by how much
+!> of it is inside; along a direction in which it has none, the two cells around it count as in linear interpolation between
+!> their centres. The weights of all cells of all ranks add up to 1; where walls block the gas a cell counts by its weight times
+!> its open part, and the sum is divided by that of the open parts. Through a plane: the faces nearest to it count by how much
+!> of them is inside.
 !> Of parcels: those with their centre in the region, which is made one gas cell thick where it has no extent.
 module monitor_region
   use boxes, only: boxes_t

@@ -1,8 +1,7 @@
 !> The part of the grid that walls leave to the gas: how much of each cell and of each face is open, how much wall a cell has
 !> and how far it is.
 !>
-!> Where the distance from the walls is positive is found on a lattice in each face, linear between its points; a cell is the
-!> sum of slices. A cell that is hardly open, or that has no open face, is closed. The wall in a cell is what closes its
+!> A cell that is hardly open, or that has no open face, is closed. The wall in a cell is what closes its
 !> surface: its vector area is the difference of those of opposite faces,
 !>
 !>   A_wall = |sum over faces of alpha A n|.                                                          (1)
@@ -11,20 +10,28 @@
 !> from the same places as their owners. Beyond the surface of the domain they mirror what is within.
 module open_space
   use boxes, only: boxes_t
-  use clipping, only: positive_part
   use kinds, only: wp
   use level, only: level_t
   use mesh, only: mesh_t
+  use open_shares, only: find_cell, upper_face, measure_cell, measure_face
   implicit none
   private
-  public :: open_space_t, new_open_space, least_open
+  public :: open_space_t, tilt_t, new_open_space, least_open
 
   real(wp), parameter :: least_open = 0.05_wp  !< of a cell: with less it is closed [-]
   real(wp), parameter :: nearest = 0.05_wp     !< least distance of a flow from its wall, over the thinnest cell [-]
   real(wp), parameter :: closest = 0.25_wp     !< least distance of two flows, over that of their cells [-]
-  real(wp), parameter :: on_wall = 1.0e-9_wp   !< of a cell: nearer is on the wall [-]
-  integer, parameter :: m = 4                  !< pieces along the edge of a face
-  integer, parameter :: slices = 8             !< of a cell
+
+  real(wp), parameter :: steepest = 3.0_wp     !< most by which a flow is more beside its middle than in it [-]
+
+  !> The flows through two faces across a, one behind the other along b, whose middles are not level with that of the surface
+  !> between them. A flow grows in proportion to the distance from the wall, so what it is beside its middle is
+  !> known: its viscous stress there is that of (1 + more) u.
+  type :: tilt_t
+    integer :: a, b
+    integer :: face(3)    !< the lower of the two
+    real(wp) :: more(2)   !< lower and upper flow [-]
+  end type tilt_t
 
   type :: open_space_t
     real(wp), allocatable :: volume(:,:,:)      !< open part of cells, 0 of closed ones [-]
@@ -34,6 +41,7 @@ module open_space
     real(wp), allocatable :: upper(:,:,:,:)     !< (cell, a) share of the upper face across a in what acts on a cell's gas [-]
     real(wp), allocatable :: bridge(:,:,:,:,:)  !< (face, b, a) viscous area over distance between the flows through a face
                                                 !< across a and the next one along b, over the same without walls [-]
+    type(tilt_t), allocatable :: tilts(:)       !< of faces with a part in the rows of my box
     logical, allocatable :: closed(:,:,:)       !< (n1,n2,n3) cells without gas
     integer :: first_open(3) = 0                !< the first cell of the whole grid that is open; 0 if none is
     real(wp) :: open_volume = 0.0_wp            !< of the whole grid [m3]
@@ -69,6 +77,7 @@ contains
     call close_cells(boxes, mesh, space)
     call find_walls(boxes, mesh, walls, offset, space)
     call find_bridges(boxes, mesh, offset, space)
+    call find_tilts(boxes, mesh, walls, offset, space)
   end subroutine new_open_space
 
   !> Open parts as the walls leave them, and where the middles of those of faces are.
@@ -96,121 +105,6 @@ contains
       end do
     end do
   end subroutine measure
-
-  !> Lowest corner and widths of a cell of my box or its halo.
-  pure subroutine find_cell(boxes, mesh, cell, corner, h)
-    type(boxes_t), intent(in) :: boxes
-    type(mesh_t), intent(in) :: mesh
-    integer, intent(in) :: cell(3)
-    real(wp), intent(out) :: corner(3), h(3)  !< [m]
-
-    integer :: a, place(3)
-
-    place = boxes%lo + cell - 1
-    place = merge(1 + modulo(place - 1, mesh%n), min(max(place, 1 - place), 2*mesh%n + 1 - place), mesh%periodic)
-    place = min(max(place, 1), mesh%n)
-    do a = 1, 3
-      corner(a) = mesh%axis(a)%face(place(a) - 1)
-      h(a) = mesh%axis(a)%width(place(a))
-    end do
-  end subroutine find_cell
-
-  !> Where the upper face of a cell across a is [m].
-  pure function upper_face(boxes, mesh, cell, a) result(x)
-    type(boxes_t), intent(in) :: boxes
-    type(mesh_t), intent(in) :: mesh
-    integer, intent(in) :: cell(3), a
-    real(wp) :: x
-
-    integer :: face
-
-    face = boxes%lo(a) + cell(a) - 1
-    if (mesh%periodic(a)) face = modulo(face, mesh%n(a))
-    x = mesh%axis(a)%face(min(max(face, 0), mesh%n(a)))
-  end function upper_face
-
-  !> Whether a cell or face has walls in it, and if not on which side it is.
-  pure subroutine look_at(walls, corner, h, cut, open)
-    class(level_t), intent(in) :: walls
-    real(wp), intent(in) :: corner(3), h(3)  !< [m]
-    logical, intent(out) :: cut, open
-
-    real(wp) :: distance
-    integer :: c
-
-    distance = walls%at(corner + 0.5_wp*h)
-    open = distance > 0.0_wp
-    cut = abs(distance) <= 0.5_wp*norm2(h)*(1 + on_wall)
-    do c = 0, 7
-      if (cut) return
-      distance = walls%at(corner + merge(h, 0.0_wp, [btest(c, 0), btest(c, 1), btest(c, 2)]))
-      cut = (distance > 0.0_wp) .neqv. open
-    end do
-  end subroutine look_at
-
-  !> The open part of a cell, in slices along z.
-  pure subroutine measure_cell(walls, corner, h, part)
-    class(level_t), intent(in) :: walls
-    real(wp), intent(in) :: corner(3), h(3)  !< [m]
-    real(wp), intent(out) :: part            !< [-]
-
-    real(wp) :: slice, middle(3)
-    logical :: cut, open
-    integer :: s
-
-    call look_at(walls, corner, h, cut, open)
-    part = merge(1.0_wp, 0.0_wp, open)
-    if (.not. cut) return
-    part = 0.0_wp
-    do s = 1, slices
-      call measure_slice(walls, 3, corner + [0.0_wp, 0.0_wp, (s - 0.5_wp)/slices*h(3)], h, slice, middle)
-      part = part + slice/slices
-    end do
-  end subroutine measure_cell
-
-  pure subroutine measure_face(walls, a, corner, h, part, middle)
-    class(level_t), intent(in) :: walls
-    integer, intent(in) :: a
-    real(wp), intent(in) :: corner(3), h(3)  !< [m]
-    real(wp), intent(out) :: part            !< [-]
-    real(wp), intent(out) :: middle(3)       !< of the open part, from that of the face [m]
-
-    real(wp) :: flat(3)
-    logical :: cut, open
-
-    flat = h
-    flat(a) = 0.0_wp
-    middle = 0.0_wp
-    call look_at(walls, corner, flat, cut, open)
-    part = merge(1.0_wp, 0.0_wp, open)
-    if (cut) call measure_slice(walls, a, corner, h, part, middle)
-  end subroutine measure_face
-
-  !> The open part of a rectangle across a.
-  pure subroutine measure_slice(walls, a, corner, h, part, middle)
-    class(level_t), intent(in) :: walls
-    integer, intent(in) :: a
-    real(wp), intent(in) :: corner(3), h(3)  !< [m]
-    real(wp), intent(out) :: part            !< [-]
-    real(wp), intent(out) :: middle(3)       !< of the open part, from that of the rectangle [m]
-
-    real(wp) :: f(0:m, 0:m), area, moment(2), x(3)
-    integer :: along(2), i, j
-
-    along = pack([1, 2, 3], [1, 2, 3] /= a)
-    x = corner
-    do j = 0, m
-      x(along(2)) = corner(along(2)) + h(along(2))*j/m
-      do i = 0, m
-        x(along(1)) = corner(along(1)) + h(along(1))*i/m
-        f(i, j) = walls%at(x) - on_wall*minval(h)
-      end do
-    end do
-    call positive_part(f, h(along), area, moment)
-    part = area/product(h(along))
-    middle = 0.0_wp
-    if (part > 0.0_wp) middle(along) = moment/area
-  end subroutine measure_slice
 
   !> Close the cells that are hardly open, the faces of closed cells, and the cells these leave without a face.
   subroutine close_cells(boxes, mesh, space)
@@ -350,10 +244,7 @@ contains
         do j = 0, n(2)
           do i = 0, n(1)
             if (.not. space%wall(i, j, k) + space%wall(i + e(1), j + e(2), k + e(3)) > 0.0_wp) cycle
-            call find_cell(boxes, mesh, [i, j, k], corner, h)
-            corner = corner + 0.5_wp*h + offset(:, i, j, k, a)
-            corner(a) = upper_face(boxes, mesh, [i, j, k], a)
-            space%nearness(i, j, k, a) = 1/max(walls%at(corner), nearest*minval(h))
+            space%nearness(i, j, k, a) = 1/distance_at(boxes, mesh, walls, [i, j, k], a, offset(:, i, j, k, a))
           end do
         end do
       end do
@@ -396,5 +287,96 @@ contains
       end do
     end do
   end subroutine find_bridges
+
+  !> Distance of a point of a face across a from the walls [m].
+  pure function distance_at(boxes, mesh, walls, face, a, offset) result(distance)
+    type(boxes_t), intent(in) :: boxes
+    type(mesh_t), intent(in) :: mesh
+    class(level_t), intent(in) :: walls
+    integer, intent(in) :: face(3), a
+    real(wp), intent(in) :: offset(3)  !< from its middle [m]
+    real(wp) :: distance
+
+    real(wp) :: corner(3), h(3)
+
+    call find_cell(boxes, mesh, face, corner, h)
+    corner = corner + 0.5_wp*h + offset
+    corner(a) = upper_face(boxes, mesh, face, a)
+    distance = max(walls%at(corner), nearest*minval(h))
+  end function distance_at
+
+  !> See tilt_t.
+  pure subroutine find_tilts(boxes, mesh, walls, offset, space)
+    type(boxes_t), intent(in) :: boxes
+    type(mesh_t), intent(in) :: mesh
+    class(level_t), intent(in) :: walls
+    real(wp), intent(in) :: offset(:, -1:, -1:, -1:, :)
+    type(open_space_t), intent(inout) :: space
+
+    type(tilt_t) :: tilt
+    type(tilt_t), allocatable :: longer(:)
+    integer :: a, b, i, j, k, n
+
+    n = 0
+    allocate (space%tilts(64))
+    do a = 1, 3
+      do b = 1, 3
+        if (b == a) cycle
+        do k = 0, boxes%n(3)
+          do j = 0, boxes%n(2)
+            do i = 0, boxes%n(1)
+              tilt = tilt_t(a, b, [i, j, k], [0.0_wp, 0.0_wp])
+              call find_tilt(boxes, mesh, walls, offset, space, tilt)
+              if (.not. any(abs(tilt%more) > 0.0_wp)) cycle
+              if (n == size(space%tilts)) then
+                allocate (longer(2*n))
+                longer(:n) = space%tilts
+                call move_alloc(longer, space%tilts)
+              end if
+              n = n + 1
+              space%tilts(n) = tilt
+            end do
+          end do
+        end do
+      end do
+    end do
+    space%tilts = space%tilts(:n)
+  end subroutine find_tilts
+
+  !> Of one pair of faces; nothing across the surface of the domain.
+  pure subroutine find_tilt(boxes, mesh, walls, offset, space, tilt)
+    type(boxes_t), intent(in) :: boxes
+    type(mesh_t), intent(in) :: mesh
+    class(level_t), intent(in) :: walls
+    real(wp), intent(in) :: offset(:, -1:, -1:, -1:, :)
+    type(open_space_t), intent(in) :: space
+    type(tilt_t), intent(inout) :: tilt
+
+    real(wp) :: area(2), place(3), middle(3, 2)
+    integer :: face(3, 2), along, across(3), side
+
+    associate (a => tilt%a, b => tilt%b)
+      if (.not. mesh%periodic(b) .and. (boxes%lo(b) + tilt%face(b) < 2 .or. boxes%lo(b) + tilt%face(b) > mesh%n(b))) return
+      along = 6 - a - b
+      face = spread(tilt%face, 2, 2)
+      face(b, 2) = face(b, 2) + 1
+      across = tilt%face
+      across(a) = across(a) + 1
+      do side = 1, 2
+        if (.not. space%area(face(1, side), face(2, side), face(3, side), a) > 0.0_wp) return
+        middle(:, side) = offset(:, face(1, side), face(2, side), face(3, side), a)
+      end do
+      area = [space%area(tilt%face(1), tilt%face(2), tilt%face(3), b), space%area(across(1), across(2), across(3), b)]
+      if (.not. sum(area) > 0.0_wp) return
+      place = (area(1)*offset(:, tilt%face(1), tilt%face(2), tilt%face(3), b) &
+               + area(2)*offset(:, across(1), across(2), across(3), b))/sum(area)
+      do side = 1, 2
+        if (.not. abs(place(along) - middle(along, side)) > 0.0_wp) cycle
+        tilt%more(side) = 1/distance_at(boxes, mesh, walls, face(:, side), a, middle(:, side))
+        middle(along, side) = place(along)
+        tilt%more(side) = min(distance_at(boxes, mesh, walls, face(:, side), a, middle(:, side))*tilt%more(side), steepest) - 1
+      end do
+    end associate
+  end subroutine find_tilt
 
 end module open_space
