@@ -107,6 +107,26 @@ def manufactured(rows, curves):
     return figure
 
 
+def pipe(rows, curves):
+    figure, (profile, errors) = plt.subplots(1, 2, figsize=(6.4, 2.6))
+    for n, mark in (("8", "^"), ("16", "s"), ("32", "o")):
+        r, found, _ = series(curves, f"pipe_profile_{n}")
+        profile.plot(r, found, mark, ms=3 if n == "8" else 2, mfc="none", color=OURS, alpha=0.4 if n == "32" else 1, label=f"{n} cells")
+    r = np.linspace(0, 1, 100)
+    profile.plot(r, 1 - r**2, color=EXACT, lw=0.8, label="exact")
+    profile.set(xlabel="r/R", ylabel="velocity over the largest", title="round pipe, cells that are whole")
+    for name, mark, label in (("pipe", "o", "round pipe"), ("turned_duct", "s", "turned square duct")):
+        x, error, slope = series(curves, f"{name}_errors")
+        errors.loglog(x, error, mark, ms=4, mfc="none", color=OURS, label=label)
+        errors.loglog(x, slope, color=EXACT, lw=0.7, label="second order" if name == "pipe" else None)
+    errors.set_xticks([1 / 32, 1 / 16, 1 / 8], ["1/32", "1/16", "1/8"])
+    errors.minorticks_off()
+    errors.set(xlabel="width of a cell over that of the pipe", ylabel="error, %", title="flow")
+    for axis in (profile, errors):
+        axis.legend(fontsize=7)
+    return figure
+
+
 def cooling(rows, curves):
     figure, axes = plt.subplots(1, 2, figsize=(6.4, 2.5))
     for axis, e in zip(axes, ("0.90", "0.95"), strict=True):
@@ -193,7 +213,7 @@ def draw(rows, curves, folder):
     """All pictures; their paths. The same rows and curves give the same bytes."""
     folder.mkdir(exist_ok=True)
     with plt.rc_context(STYLE):
-        for make in (errors, fall, squeezed, oblique, chung_ooi, order, manufactured, cavity, cooling, shear, crossing,
+        for make in (errors, fall, squeezed, oblique, chung_ooi, order, pipe, manufactured, cavity, cooling, shear, crossing,
                      balance):
             path = folder / f"{make.__name__}.png"
             figure = make(rows, curves)
