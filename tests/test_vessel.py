@@ -130,7 +130,10 @@ def test_mistakes_of_open_meshes(geldart, mesh_case, tmp_path):
     done = geldart("case.nml")
     assert done.returncode == 2, done.stderr
     assert "the walls leave different parts of the two faces across y to the gas, and these are joined" in done.stderr
-    mesh_case(OFFSET.replace("inside", "outside"), side((0.04, 0.04), (0, 0.16)))
+    mesh_case(OFFSET, side((0.04, 0.04), (0, 0.16)))
+    done = geldart("case.nml")
+    assert done.returncode == 2 and "all of its file lies on or beyond faces of the domain" in done.stderr, done.stderr
+    mesh_case(OFFSET, 1e3 * stl.drum(0.0005, 0.02, 12) + [0, 100, 0])
     done = geldart("case.nml")
     assert done.returncode == 2 and "the walls leave no cell to the gas: see gas_side of &wall" in done.stderr, done.stderr
     mesh_case(OFFSET, side((0.02, 0.02), (0, 0.16)), **{"lower = 0, 0.16, 0, upper = 0.044, 0.16": "lower = 0, 0.16, 0, upper = 0.001, 0.16"})

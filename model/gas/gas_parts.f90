@@ -74,13 +74,13 @@ contains
     integer :: p
 
     levels%n = parts%n
-    allocate (levels%cell(3, parts%n))
+    allocate (levels%cell(3, parts%n), levels%cells(parts%n))
     do p = 1, parts%n
       levels%cell(:, p) = parts%first(:, p) + 1 - boxes%lo
     end do
     associate (part => parts%part(1:boxes%n(1), 1:boxes%n(2), 1:boxes%n(3)))
-      levels%cells = boxes%comm%sum([(real(count(part == p), wp), p=1, parts%n)])
-      if (parts%n > 1) levels%part = part
+      levels%cells(:) = boxes%comm%sum([(real(count(part == p), wp), p=1, parts%n)])
+      if (parts%n > 1) allocate (levels%part, source=part)
     end associate
   end subroutine level_parts
 

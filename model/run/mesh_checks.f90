@@ -4,7 +4,7 @@ module mesh_checks
   use case_keys, only: keys_t
   use constants, only: is_set, pi
   use kinds, only: wp
-  use mesh_rims, only: loose_rim
+  use mesh_rims, only: loose_rim, wall_within
   use surface, only: surface_t
   use text, only: shown, brief
   use wall_motion, only: wall_motion_t, cross
@@ -27,13 +27,11 @@ contains
     if (.not. all(case%domain%upper > case%domain%lower)) return
     do w = 1, size(case%walls)
       if (case%surfaces(w)%n == 0) cycle
-      if (case%walls(w)%blocks_gas()) then
-        call check_rims(case, w, keys)
-      else
+      call check_place(case, w, keys)
+      if (.not. case%walls(w)%blocks_gas()) then
         call keys%require_at(case%walls(w)%open .or. size(case%surfaces(w)%open_edge, 2) == 0, 'wall', w, 'file', &
                              'is not closed: '//opening_words(case%surfaces(w)))
       end if
-      call check_place(case, w, keys)
       call check_fills(case, w, keys)
     end do
   end subroutine check_meshes
@@ -57,6 +55,9 @@ contains
     real(wp) :: place(3)
     logical :: loose
 
+    associate (within => wall_within(case%surfaces(w), case%domain%lower, case%domain%upper))
+      call keys%require_at(within%n > 0, 'wall', w, 'gas_side', 'all of its file lies on or beyond faces of the domain')
+    end associate
     call loose_rim(case%surfaces(w), case%domain%lower, case%domain%upper, loose, place)
     call keys%require_at(.not. loose, 'wall', w, 'gas_side', 'its file has a rim at '//triple(place)//' m: the gas has a side ' &
                          //'of a mesh that is closed, or whose rims each lie on or beyond one face of the domain')
@@ -81,7 +82,10 @@ contains
                              //' m, '//brief(maxval(upper - lower))//' m large; is its scale right?')
         return
       end if
-      if (case%walls(w)%blocks_gas()) return
+      if (case%walls(w)%blocks_gas()) then
+        call check_rims(case, w, keys)
+        return
+      end if
       if (any(lower < domain%lower - near) .or. any(upper > domain%upper + near)) then
         call keys%require_at(.false., 'wall', w, '', 'reaches out of the domain: it goes from '//triple(lower)//' to ' &
                              //triple(upper)//' m')

@@ -29,8 +29,9 @@ contains
     type(free_levels_t) :: levels
 
     levels%n = 1
-    levels%cell = reshape(2 - boxes%lo, [3, 1])
-    levels%cells = [product(real(boxes%cells, wp))]
+    allocate (levels%cell(3, 1), levels%cells(1))
+    levels%cell(:, 1) = 2 - boxes%lo
+    levels%cells(1) = product(real(boxes%cells, wp))
   end function one_level
 
   !> Whether the cell that keeps the pressure of a part is in my box.
