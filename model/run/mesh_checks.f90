@@ -52,12 +52,12 @@ contains
     integer, intent(in) :: w
     type(keys_t), intent(inout) :: keys
 
+    type(surface_t) :: within
     real(wp) :: place(3)
     logical :: loose
 
-    associate (within => wall_within(case%surfaces(w), case%domain%lower, case%domain%upper))
-      call keys%require_at(within%n > 0, 'wall', w, 'gas_side', 'all of its file lies on or beyond faces of the domain')
-    end associate
+    within = wall_within(case%surfaces(w), case%domain%lower, case%domain%upper)
+    call keys%require_at(within%n > 0, 'wall', w, 'gas_side', 'all of its file lies on or beyond faces of the domain')
     call loose_rim(case%surfaces(w), case%domain%lower, case%domain%upper, loose, place)
     call keys%require_at(.not. loose, 'wall', w, 'gas_side', 'its file has a rim at '//triple(place)//' m: the gas has a side ' &
                          //'of a mesh that is closed, or whose rims each lie on or beyond one face of the domain')

@@ -39,6 +39,7 @@ contains
     real(wp), intent(in) :: lower(3), upper(3)  !< corners of the domain [m]
     type(surface_t) :: body
 
+    real(wp), allocatable :: places(:,:)
     real(wp) :: tip(3)
     integer, allocatable :: rim(:), cones(:,:)
     integer :: r, e, face, a
@@ -47,10 +48,10 @@ contains
     allocate (rim, source=rims(body))
     allocate (cones(3, size(rim)))
     do r = 1, maxval([0, rim])
-      associate (places => rim_places(body, rim, r))
-        tip = sum(places, 2)/size(places, 2)
-        face = face_beyond(places, lower, upper)
-      end associate
+      allocate (places, source=rim_places(body, rim, r))
+      tip = sum(places, 2)/size(places, 2)
+      face = face_beyond(places, lower, upper)
+      deallocate (places)
       a = (face + 1)/2
       if (face /= no_face) tip(a) = tip(a) + merge(-1, 1, modulo(face, 2) == 1)*(upper(a) - lower(a))
       body%vertex = reshape([body%vertex, tip], [3, size(body%vertex, 2) + 1])
