@@ -136,7 +136,7 @@ def test_mistakes_of_open_meshes(geldart, mesh_case, tmp_path):
     mesh_case(OFFSET, 1e3 * stl.drum(0.0005, 0.02, 12) + [0, 100, 0])
     done = geldart("case.nml")
     assert done.returncode == 2 and "the walls leave no cell to the gas: see gas_side of &wall" in done.stderr, done.stderr
-    mesh_case(OFFSET, side((0.02, 0.02), (0, 0.16)), **{"lower = 0, 0.16, 0, upper = 0.044, 0.16": "lower = 0, 0.16, 0, upper = 0.001, 0.16"})
+    mesh_case(OFFSET, side((0.02, 0.02), (0, 0.16)), **{"0.16, 0, upper = 0.044, 0.16, 0.044": "0.16, 0, upper = 0.005, 0.16, 0.005"})
     done = geldart("case.nml")
     assert done.returncode == 2 and "holds the centre of no cell face" in done.stderr, done.stderr
     assert not (tmp_path / "results").exists()

@@ -28,9 +28,8 @@ contains
     do w = 1, size(case%walls)
       if (case%surfaces(w)%n == 0) cycle
       call check_place(case, w, keys)
-      if (.not. case%walls(w)%blocks_gas()) then
-        call keys%require_at(case%walls(w)%open .or. size(case%surfaces(w)%open_edge, 2) == 0, 'wall', w, 'file', &
-                             'is not closed: '//opening_words(case%surfaces(w)))
+      if (size(case%surfaces(w)%open_edge, 2) > 0 .and. .not. (case%walls(w)%open .or. case%walls(w)%blocks_gas())) then
+        call keys%require_at(.false., 'wall', w, 'file', 'is not closed: '//opening_words(case%surfaces(w)))
       end if
       call check_fills(case, w, keys)
     end do
