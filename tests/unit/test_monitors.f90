@@ -153,7 +153,7 @@ contains
         end do
       end do
     end associate
-    call monitors%measure_gas(p, eps, u, flux, space)
+    call monitors%measure_gas(p, eps, u, flux, space=space)
   end subroutine measure_fields
 
   !> Walls that close the first three cells in x and half of the fourth, which the gas enters from above.
