@@ -85,13 +85,13 @@ contains
         record(l, 4, g) = 1/sqrt(pair(8, m))
         record(l, 5, g) = 1/pair(4, m)
       end associate
-      if (law%rolling%spring) angle(:, m) = pairs%before(4:6, place(m))
+      if (pairs%with_angles) angle(:, m) = pairs%before(4:6, place(m))
     end do
     call add_friction(law, n, i, j, state, pair, spin, record, angle, force)
     call pairs%make_room(pairs%memories + n)
     do m = 1, n
       pairs%memory(1:3, pairs%memories + m) = record(lane_of(m), 1:3, group_of(m))
-      if (law%rolling%spring) pairs%memory(4:6, pairs%memories + m) = angle(:, m)
+      if (pairs%with_angles) pairs%memory(4:6, pairs%memories + m) = angle(:, m)
     end do
     pairs%memories = pairs%memories + n
   end subroutine sweep_loose
