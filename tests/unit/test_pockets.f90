@@ -1,5 +1,6 @@
 !> Parts of the gas that walls keep from each other: they are found on any number of ranks, closed where others have an outflow, and
 !> have a pressure of their own where none has.
+! ranks: 1 2
 program test_pockets
   use boxes, only: boxes_t, new_boxes
   use check, only: expect, expect_close, finish
