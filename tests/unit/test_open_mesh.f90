@@ -60,8 +60,8 @@ contains
     call new_open_space(boxes, grid, new_blocking_walls([wall], [surface], grid), space)
   end function space_of
 
-  !> A tube 16 cells across along one axis or another: its ends on the faces, to the digits of a file of single precision, or beyond, cut
-  !> straight or aslant, open or with lids.
+  !> A tube 16 cells across along one axis or another: its ends on the faces, to the digits of a file of single precision, or
+  !> beyond, cut straight or aslant, open or with lids.
   subroutine tubes()
     type(open_space_t) :: space
     type(surface_t) :: surface
