@@ -171,6 +171,7 @@ contains
       self%way_left = gap/2
     end if
     if (self%tight .or. .not. self%with_history) return
+    ! what this step leaves is written over what the step before the last one left
     call move_alloc(self%memory, memory)
     call move_alloc(self%before, self%memory)
     call move_alloc(memory, self%before)

@@ -17,6 +17,8 @@ program test_close_pairs
   call head_on(friction=0.3_wp, name='with friction')
   call many_alike(speed=0.05_wp, tight=.true., name='where pairs are tight')
   call many_alike(speed=3.0_wp, tight=.false., name='where those that touch are selected')
+  call bystander('none')
+  call bystander('spring')
   call parted(way=1.0e-3_wp, tight=.true., name='where pairs are tight')
   call parted(way=2.0e-2_wp, tight=.false., name='where those that touch are selected')
   call finish()
@@ -108,6 +110,47 @@ contains
     call expect(alike .and. .not. outcome%failed() .and. norm2(first(4:6)) > 0.01_wp*speed, 'glancing pairs turn '//name)
     call expect(off < 1e-9_wp*speed, 'pairs alike move alike '//name)
   end subroutine many_alike
+
+  !> A glancing pair does the same whether it is tight, or is selected because of a fast ball that flies by far away.
+  subroutine bystander(rolling)
+    character(len=*), intent(in) :: rolling
+
+    real(wp), parameter :: speed = 0.05_wp
+    real(wp), parameter :: width(3) = [1.0e-3_wp, 1.5e-3_wp, 1.0e-3_wp]  ! balls of one size would not roll on each other
+    type(solids_t) :: balls
+    type(contact_settings_t) :: contact
+    type(outcome_t) :: outcome
+    real(wp) :: x(3, 3), v(3, 3), motion(6, 2, 2)
+    integer :: n, step, c
+    logical :: as_meant
+
+    contact%stiffness = 200.0_wp
+    contact%friction = 0.3_wp
+    contact%rolling = rolling
+    if (rolling /= 'none') contact%rolling_friction = 0.2_wp
+    x(:, 1) = 0.005_wp
+    x(:, 2) = x(:, 1) + 1.001_wp*sum(width(1:2))/2*[0.8_wp, 0.6_wp, 0.0_wp]
+    x(:, 3) = 0.015_wp
+    v = 0.0_wp
+    v(1, :) = [speed, -speed, 20*speed]
+    do step = 12, 40, 28  ! while they touch, and once parted
+      as_meant = .true.
+      do n = 2, 3
+        balls = scene(comm, [0.02_wp, 0.02_wp, 0.02_wp], 0.0_wp, contact)
+        call put(balls, x(:, :n), v(:, :n), width(:n))
+        call balls%advance(step, balls%time_step_limit(), outcome)
+        as_meant = as_meant .and. (balls%pairs%tight .eqv. n == 2) .and. .not. outcome%failed()
+        associate (p => balls%parcels)
+          do c = 1, p%n
+            if (p%id(c) < 3) motion(:, p%id(c), n - 1) = p%state([5, 6, 7, 9, 10, 11], c)
+          end do
+        end associate
+      end do
+      call expect(as_meant .and. norm2(motion(4:6, 1, 1)) > 0.01_wp*speed, 'a glancing pair turns, rolling: '//rolling)
+      call expect(maxval(abs(motion(:, :, 2) - motion(:, :, 1))) < 1e-12_wp*speed, &
+                  'and does not mind who flies by, rolling: '//rolling)
+    end do
+  end subroutine bystander
 
   !> A glancing pair has a slip while it touches, and none in the step after.
   subroutine parted(way, tight, name)
