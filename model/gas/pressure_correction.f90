@@ -128,19 +128,19 @@ contains
 
     integer :: a, i, j, k, end
 
-    if (allocated(state%ideal)) then
-      state%flux = state%ideal%face*state%passage*state%velocity
-      return
-    end if
     associate (n => state%boxes%n)
       do a = 1, 3
-        do k = 0, n(3) + 1
-          do j = 0, n(2) + 1
-            do i = 0, n(1) + 1
-              state%flux(i, j, k, a) = state%density*state%passage(i, j, k, a)*state%velocity(i, j, k, a)
+        if (allocated(state%ideal)) then
+          state%flux(:, :, :, a) = state%ideal%face(:, :, :, a)*state%passage(:, :, :, a)*state%velocity(:, :, :, a)
+        else
+          do k = 0, n(3) + 1
+            do j = 0, n(2) + 1
+              do i = 0, n(1) + 1
+                state%flux(i, j, k, a) = state%density*state%passage(i, j, k, a)*state%velocity(i, j, k, a)
+              end do
             end do
           end do
-        end do
+        end if
         do end = 1, 2
           if (state%boundary%side(end, a)%mine) call continue_across(n, a, end, state%flux(:, :, :, a))
         end do

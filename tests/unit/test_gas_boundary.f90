@@ -3,6 +3,7 @@ program test_gas_boundary
   use cavity_flow, only: cavity_t, steady_cavity
   use check, only: expect, expect_close, finish
   use communicator, only: communicator_t, start_ranks, stop_ranks
+  use compressible_flows, only: ideal_gas
   use gas, only: gas_t
   use gas_cases, only: scene_t, record, make_gas, set_cells, steps, uneven_drag, wavy_void
   use kinds, only: wp
@@ -20,6 +21,8 @@ program test_gas_boundary
   call driven_bed([8, 16, 4], [o, 1.0e-4_wp, o], 'upwards')
   call driven_bed([8, 16, 4], [2.0e-5_wp, o, -4.0e-5_wp], 'across')
   call layers_in_series()
+  call sucked_in('constant')
+  call sucked_in('ideal')
   call given_drop()
   call forgotten_drop()
   if (comm%size == 1) call small_cavity()
@@ -267,6 +270,39 @@ contains
     end if
     call gas%destroy()
   end subroutine layers_in_series
+
+  !> Gas that a pressure sucks in brings no momentum, so that its pressure falls by rho u^2 when it enters, and by nothing
+  !> more in a duct without friction. A pressure so small hardly compresses an ideal gas.
+  subroutine sucked_in(law)
+    character(len=*), intent(in) :: law
+
+    real(wp), parameter :: fall = 0.3_wp  !< [Pa]
+    type(scene_t) :: scene
+    type(gas_t) :: gas
+    type(outcome_t) :: outcome
+    real(wp) :: speed
+    logical :: ok
+
+    scene%cells = [2, 6, 2]
+    scene%upper = scene%cells*edge
+    if (law == 'ideal') scene%settings = ideal_gas(reference=101325.0_wp, pressure=o)
+    scene%settings%viscosity = o
+    scene%numerics%velocity_tolerance = 1.0e-9_wp
+    associate (top => scene%upper)
+      scene%records = [record('in', 'outflow', [o, o, o], [top(1), o, top(3)], pressure=fall), &
+                       record('out', 'outflow', [o, top(2), o], top, pressure=o)]
+    end associate
+    call make_gas(comm, scene, gas, outcome)
+    ok = steps(gas, 300, 1.0e-3_wp)
+    associate (n => gas%boxes%n)
+      speed = comm%max(maxval(gas%velocity(1:n(1), 1:n(2), 1:n(3), 2)))
+    end associate
+    if (comm%is_root()) then
+      call expect(ok, 'gas is sucked in, density: '//law)
+      call expect_close(speed, sqrt(fall/gas%density), 1.0e-5_wp, 'and its momentum is made from the pressure [m/s]')
+    end if
+    call gas%destroy()
+  end subroutine sucked_in
 
   !> A pressure drop does what gravity of the same strength does.
   subroutine given_drop()
