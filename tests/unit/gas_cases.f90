@@ -16,7 +16,7 @@ module gas_cases
   use wall_settings, only: wall_settings_t
   implicit none
   private
-  public :: scene_t, record, make_gas, set_cells, steps
+  public :: scene_t, record, channel, make_gas, set_cells, steps
   public :: wavy_void, uneven_drag, flat_void, flat_drag, slug_drag, slug_source
 
   !> What a test chooses; the rest has defaults.
@@ -48,6 +48,23 @@ contains
     if (present(velocity)) r%velocity = velocity
     if (present(pressure)) r%pressure = pressure
   end function record
+
+  !> A channel along y with slip sides, an inflow below and an outflow above.
+  function channel(edge) result(scene)
+    real(wp), intent(in) :: edge  !< of a cell [m]
+    type(scene_t) :: scene
+
+    real(wp), parameter :: o = 0.0_wp
+
+    scene%cells = [8, 6, 4]
+    scene%upper = scene%cells*edge
+    scene%periodic = [.false., .false., .true.]
+    allocate (scene%records(2))
+    associate (top => scene%upper)
+      scene%records(1) = record('in', 'inflow', [o, o, o], [top(1), o, top(3)], velocity=0.5_wp)
+      scene%records(2) = record('out', 'outflow', [o, top(2), o], top)
+    end associate
+  end function channel
 
   subroutine make_gas(comm, scene, gas, outcome)
     type(communicator_t), intent(in) :: comm

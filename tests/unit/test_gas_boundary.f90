@@ -5,7 +5,7 @@ program test_gas_boundary
   use communicator, only: communicator_t, start_ranks, stop_ranks
   use compressible_flows, only: ideal_gas
   use gas, only: gas_t
-  use gas_cases, only: scene_t, record, make_gas, set_cells, steps, uneven_drag, wavy_void
+  use gas_cases, only: scene_t, record, channel, make_gas, set_cells, steps, uneven_drag, wavy_void
   use kinds, only: wp
   use outcome, only: outcome_t
   implicit none
@@ -31,20 +31,6 @@ program test_gas_boundary
 
 contains
 
-  !> A channel along y with slip sides, an inflow below and an outflow above.
-  function channel() result(scene)
-    type(scene_t) :: scene
-
-    scene%cells = [8, 6, 4]
-    scene%upper = scene%cells*edge
-    scene%periodic = [.false., .false., .true.]
-    allocate (scene%records(2))
-    associate (top => scene%upper)
-      scene%records(1) = record('in', 'inflow', [o, o, o], [top(1), o, top(3)], velocity=0.5_wp)
-      scene%records(2) = record('out', 'outflow', [o, top(2), o], top)
-    end associate
-  end function channel
-
   !> The inflow of a step is that at its end; linear between the times, constant before and after, a jump at a time given twice.
   subroutine changing_inflow()
     real(wp), parameter :: starts(8) = [-0.5_wp, 0.05_wp, 0.9_wp, 1.3_wp, 1.85_wp, 1.9_wp, 2.4_wp, 7.0_wp]
@@ -56,7 +42,7 @@ contains
     integer :: m
     logical :: converged
 
-    scene = channel()
+    scene = channel(edge)
     scene%records(1)%times = unit_time*[o, 1.0_wp, 2.0_wp, 2.0_wp]
     scene%records(1)%factors = [0.5_wp, 1.5_wp, 1.5_wp, 0.2_wp]
     call make_gas(comm, scene, gas, outcome)
@@ -81,7 +67,7 @@ contains
     logical :: converged
 
     do m = 1, 3
-      scene = channel()
+      scene = channel(edge)
       scene%records(1)%upper(1) = 2*edge
       scene%records = [scene%records, record('jet', 'inflow', [5*edge, o, o], [6*edge, o, scene%upper(3)], velocity=2.0_wp)]
       associate (jet => scene%records(3))
@@ -105,7 +91,7 @@ contains
     integer :: i
     logical :: converged
 
-    scene = channel()
+    scene = channel(edge)
     scene%records(1)%lower(1) = 2*edge
     scene%records(1)%profile = 'parabola'
     call make_gas(comm, scene, gas, outcome)

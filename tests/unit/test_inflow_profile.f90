@@ -3,7 +3,7 @@ program test_inflow_profile
   use check, only: expect, expect_close, finish
   use communicator, only: communicator_t, start_ranks, stop_ranks
   use gas, only: gas_t
-  use gas_cases, only: scene_t, record, make_gas, steps
+  use gas_cases, only: scene_t, record, channel, make_gas, steps
   use inflow_profile, only: new_inflow_profile
   use kinds, only: wp
   use outcome, only: outcome_t
@@ -22,20 +22,6 @@ program test_inflow_profile
 
 contains
 
-  !> A channel along y with slip sides, an inflow below and an outflow above.
-  function channel() result(scene)
-    type(scene_t) :: scene
-
-    scene%cells = [8, 6, 4]
-    scene%upper = scene%cells*edge
-    scene%periodic = [.false., .false., .true.]
-    allocate (scene%records(2))
-    associate (top => scene%upper)
-      scene%records(1) = record('in', 'inflow', [o, o, o], [top(1), o, top(3)], velocity=0.5_wp)
-      scene%records(2) = record('out', 'outflow', [o, top(2), o], top)
-    end associate
-  end function channel
-
   !> A table along one coordinate with a kink within a face, and one on a lattice in two, given in a strange order: each face
   !> has the mean over itself, so that the flow is the integral; a mass flow multiplies it, and factors do as well.
   subroutine tables_of_inflow()
@@ -47,7 +33,7 @@ contains
     integer :: i, k, m
 
     do m = 1, 3
-      scene = channel()
+      scene = channel(edge)
       scene%records(1)%velocity = -huge(1.0_wp)
       scene%records(1)%profile = 'table'
       if (m < 3) then
