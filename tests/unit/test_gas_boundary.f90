@@ -269,7 +269,7 @@ contains
     real(wp) :: speed
     logical :: ok
 
-    scene%cells = [2, 6, 2]
+    scene%cells = [4, 8, 4]
     scene%upper = scene%cells*edge
     if (law == 'ideal') scene%settings = ideal_gas(reference=101325.0_wp, pressure=o)
     scene%settings%viscosity = o
