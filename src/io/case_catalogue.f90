@@ -158,9 +158,9 @@ contains
       end if
       write (unit, '(a)') 'Groups of a case file:'
       do i = 1, size(groups)
-        write (unit, '(2x,a,t16,3a)') '&'//groups(i)%name, groups(i)%about, several(groups(i)), '; '//groups(i)%when
+        write (unit, '(2x,a,t19,3a)') '&'//groups(i)%name, groups(i)%about, several(groups(i)), '; '//groups(i)%when
       end do
-      write (unit, '(2x,a,t16,a)') '&include', "file = 'NAME': the records of another file; NAME is relative to this one"
+      write (unit, '(2x,a,t19,a)') '&include', "file = 'NAME': the records of another file; NAME is relative to this one"
       write (unit, '(a)') 'geldart --help GROUP lists the keys of a group.'
       return
     end if
