@@ -10,7 +10,7 @@
 !> the other.
 module close_pairs
   use contact_lanes, only: lanes, full_lanes, lane_of, group_of, record_rows
-  use contact_list, only: contact_list_t
+  use contact_list, only: contact_list_t, columns_at_once
   use kinds, only: wp
   use parcels, only: radius_row, mass_row
   implicit none
@@ -29,6 +29,7 @@ module close_pairs
     logical :: tight = .false.
     integer :: n = 0
     integer :: swept = 0                  !< pairs whose forces of this step are known
+    integer :: window = 0                 !< columns that tight pairs of a stretch may need
     integer, allocatable :: entry(:)      !< (n + 1) of the list; behind the last 0
     integer, allocatable :: i(:), j(:)    !< (n) columns of the parcels
     real(wp), allocatable :: record(:,:,:)  !< (lanes, record_rows, for n) of tight pairs, see contact_lanes; those beyond n do
@@ -167,7 +168,11 @@ contains
       gap = min(2*way*steps, skin)
       if (self%tight) call loosen(self)
       call choose(self, list, state, gap)
-      if (tight) call tighten(self, state)
+      self%window = 0
+      if (tight) then
+        call tighten(self, state)
+        self%window = columns_at_once(self%i, self%j, list%rows, lanes)
+      end if
       self%way_left = gap/2
     end if
     if (self%tight .or. .not. self%with_history) return
@@ -178,7 +183,7 @@ contains
     self%memories = 0
   end subroutine begin_step
 
-  !> The last pair in rows up to the given one, or some more for full lanes.
+  !> The last pair in rows up to the given one; of tight pairs some more for full lanes.
   pure function last_of_rows(self, row) result(last)
     class(close_pairs_t), intent(in) :: self
     integer, intent(in) :: row
@@ -196,7 +201,7 @@ contains
         beyond = middle
       end if
     end do
-    last = min(full_lanes(last), self%n)
+    if (self%tight) last = min(full_lanes(last), self%n)
   end function last_of_rows
 
   !> The listed pairs with a gap less than `gap` become the close ones; they are not tight.

@@ -6,11 +6,14 @@
 module contact_list
   implicit none
   private
-  public :: contact_list_t
+  public :: contact_list_t, stretch_rows, columns_at_once
+
+  integer, parameter :: stretch_rows = 1024  !< swept, then moved: their parcels, partners and pairs stay in the L2 cache
 
   type :: contact_list_t
     integer :: rows = 0                   !< own parcels, or parcels near walls
     integer :: entries = 0                !< entries in use
+    integer :: window = 0                 !< own parcels that a stretch of rows may need, see columns_at_once
     integer, allocatable :: first(:)      !< (rows+1 at least)
     integer, allocatable :: row(:)        !< (entries at least) the row of each entry
     integer, allocatable :: partner(:)    !< (entries at least) column of the partner
@@ -63,6 +66,23 @@ contains
     do i = 1, self%rows
       self%row(self%first(i):self%first(i + 1) - 1) = i
     end do
+    self%window = columns_at_once(self%row(1:self%entries), self%partner(1:self%entries), self%rows, 1)
   end subroutine note_rows
+
+  !> The most columns from the first row of a stretch to the last partner in it, if pairs are taken `together` at a time.
+  pure function columns_at_once(row, partner, rows, together) result(columns)
+    integer, intent(in) :: row(:), partner(:)  !< of pairs, rows ascending
+    integer, intent(in) :: rows                !< own parcels; other partners do not count
+    integer, intent(in) :: together
+    integer :: columns
+
+    integer :: k, before
+
+    columns = stretch_rows
+    do k = 1, size(row)
+      before = stretch_rows*((row(k - modulo(k - 1, together)) - 1)/stretch_rows)
+      columns = max(columns, merge(partner(k), row(k), partner(k) <= rows) - before)
+    end do
+  end function columns_at_once
 
 end module contact_list

@@ -4,6 +4,7 @@
 !> used when lists are made.
 module contact_parts
   use close_pairs, only: close_pairs_t
+  use cohesion_sweep, only: attract_pairs
   use contact_law, only: contact_law_t
   use contact_laws, only: contact_laws_t
   use contact_list, only: contact_list_t
@@ -12,7 +13,7 @@ module contact_parts
   use parcels, only: parcels_t
   implicit none
   private
-  public :: part_t, deal, gathered, begin_pairs, any_tight, sweep_rows
+  public :: part_t, deal, gathered, begin_pairs, any_tight, widest_window, sweep_rows, attract_rows
 
   !> The pairs of one law.
   type :: part_t
@@ -91,6 +92,16 @@ contains
     if (allocated(parts)) any_tight = any(parts%pairs%tight)
   end function any_tight
 
+  !> Columns that tight pairs of a stretch may need.
+  pure function widest_window(pairs, parts) result(window)
+    type(close_pairs_t), intent(in) :: pairs
+    type(part_t), intent(in), allocatable :: parts(:)  !< take the place of pairs
+    integer :: window
+
+    window = pairs%window
+    if (allocated(parts)) window = maxval(parts%pairs%window)
+  end function widest_window
+
   !> Add the forces of all pairs in the rows up to `row` that are not swept yet.
   subroutine sweep_rows(laws, row, pairs, parts, parcels)
     type(contact_laws_t), intent(in) :: laws
@@ -110,6 +121,23 @@ contains
     end if
   end subroutine sweep_rows
 
+  !> Add the attraction of all listed pairs in some rows.
+  subroutine attract_rows(laws, list, parts, rows, parcels)
+    type(contact_laws_t), intent(in) :: laws
+    type(contact_list_t), intent(in) :: list
+    type(part_t), intent(in), allocatable :: parts(:)  !< take the place of the list
+    integer, intent(in) :: rows(2)                     !< first and last
+    type(parcels_t), intent(inout) :: parcels
+
+    integer :: c
+
+    do c = 1, size(laws%pair)
+      if (.not. laws%pair(c)%cohesion%on) cycle
+      if (.not. allocated(parts)) call attract_pairs(laws%pair(c)%cohesion, list, rows, parcels)
+      if (allocated(parts)) call attract_pairs(laws%pair(c)%cohesion, parts(c)%list, rows, parcels)
+    end do
+  end subroutine attract_rows
+
   !> Add the forces of the pairs of one law, in the rows up to `row` that are not swept yet.
   subroutine sweep_pairs(law, pairs, row, parcels)
     type(contact_law_t), intent(in) :: law
@@ -121,9 +149,9 @@ contains
 
     last = pairs%last_of_rows(row)
     if (parcels%rotation) then
-      call sweep_friction(law, pairs, last, parcels%state, parcels%force)
+      call sweep_friction(law, pairs, last, parcels%state, [parcels%n, parcels%ring], parcels%force)
     else
-      call sweep_frictionless(law, pairs, last, parcels%state, parcels%force)
+      call sweep_frictionless(law, pairs, last, parcels%state, [parcels%n, parcels%ring], parcels%force)
     end if
     pairs%swept = last
   end subroutine sweep_pairs

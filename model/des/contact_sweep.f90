@@ -9,7 +9,7 @@ module contact_sweep
   use contact_lanes, only: lanes, full_lanes, lane_of, group_of, record_rows
   use contact_law, only: contact_law_t, friction_forces, frictionless_forces
   use kinds, only: wp
-  use parcels, only: frictional_rows, frictionless_rows, radius_row, mass_row, spin_row, curvature_row
+  use parcels, only: frictional_rows, frictionless_rows, radius_row, mass_row, spin_row, curvature_row, force_place
   use rolling, only: rolling_torques
   implicit none
   private
@@ -22,12 +22,13 @@ module contact_sweep
 contains
 
   !> Add the forces and torques of the pairs that touch, with friction.
-  subroutine sweep_friction(law, pairs, last, state, force)
+  subroutine sweep_friction(law, pairs, last, state, ring, force)
     type(contact_law_t), intent(in) :: law
     type(close_pairs_t), intent(inout) :: pairs
     integer, intent(in) :: last                       !< pair; those up to `pairs%swept` are done
     real(wp), intent(in) :: state(frictional_rows, *)  !< see parcels
-    real(wp), intent(inout) :: force(8, *)            !< 1:3 force, 5:7 torque over radius [N]
+    integer, intent(in) :: ring(2)                    !< see force_place: own parcels, columns of force
+    real(wp), intent(inout) :: force(8, 0:*)            !< 1:3 force, 5:7 torque over radius [N]
 
     integer :: first, next
 
@@ -35,21 +36,22 @@ contains
     do while (first <= last)
       next = min(first + block_pairs, last + 1)
       if (pairs%tight) then
-        call sweep_tight(law, pairs, first, next - first, state, force)
+        call sweep_tight(law, pairs, first, next - first, state, ring, force)
       else
-        call sweep_loose(law, pairs, first, next - first, state, force)
+        call sweep_loose(law, pairs, first, next - first, state, ring, force)
       end if
       first = next
     end do
   end subroutine sweep_friction
 
   !> A block of tight pairs, whose records are used in place.
-  subroutine sweep_tight(law, pairs, first, n, state, force)
+  subroutine sweep_tight(law, pairs, first, n, state, ring, force)
     type(contact_law_t), intent(in) :: law
     type(close_pairs_t), intent(inout) :: pairs
     integer, intent(in) :: first, n                   !< pairs
     real(wp), intent(in) :: state(frictional_rows, *)
-    real(wp), intent(inout) :: force(8, *)
+    integer, intent(in) :: ring(2)                    !< see force_place: own parcels, columns of force
+    real(wp), intent(inout) :: force(8, 0:*)
 
     real(wp) :: pair(8, block_pairs), spin(4, block_pairs), angle(3, block_pairs)
 
@@ -57,20 +59,21 @@ contains
                record => pairs%record(:, :, group_of(first):))
       call gather_friction(n, i, j, state, pair, spin)
       if (pairs%with_angles) then
-        call add_friction(law, n, i, j, state, pair, spin, record, pairs%angle(:, first:), force)
+        call add_friction(law, n, i, j, state, pair, spin, record, pairs%angle(:, first:), ring, force)
       else
-        call add_friction(law, n, i, j, state, pair, spin, record, angle, force)
+        call add_friction(law, n, i, j, state, pair, spin, record, angle, ring, force)
       end if
     end associate
   end subroutine sweep_tight
 
   !> Those of a block of pairs that touch, with the memories of the step before.
-  subroutine sweep_loose(law, pairs, first, count, state, force)
+  subroutine sweep_loose(law, pairs, first, count, state, ring, force)
     type(contact_law_t), intent(in) :: law
     type(close_pairs_t), intent(inout) :: pairs
     integer, intent(in) :: first, count               !< pairs
     real(wp), intent(in) :: state(frictional_rows, *)
-    real(wp), intent(inout) :: force(8, *)
+    integer, intent(in) :: ring(2)                    !< see force_place: own parcels, columns of force
+    real(wp), intent(inout) :: force(8, 0:*)
 
     real(wp) :: pair(8, block_pairs), spin(4, block_pairs), angle(3, block_pairs)
     real(wp) :: record(lanes, record_rows, block_pairs/lanes)
@@ -87,7 +90,7 @@ contains
       end associate
       if (pairs%with_angles) angle(:, m) = pairs%before(4:6, place(m))
     end do
-    call add_friction(law, n, i, j, state, pair, spin, record, angle, force)
+    call add_friction(law, n, i, j, state, pair, spin, record, angle, ring, force)
     call pairs%make_room(pairs%memories + n)
     do m = 1, n
       pairs%memory(1:3, pairs%memories + m) = record(lane_of(m), 1:3, group_of(m))
@@ -97,23 +100,24 @@ contains
   end subroutine sweep_loose
 
   !> What a block of pairs adds.
-  pure subroutine add_friction(law, n, i, j, state, pair, spin, record, angle, force)
+  pure subroutine add_friction(law, n, i, j, state, pair, spin, record, angle, ring, force)
     type(contact_law_t), intent(in) :: law
     integer, intent(in) :: n, i(n), j(n)               !< columns
     real(wp), intent(in) :: state(frictional_rows, *)
     real(wp), intent(in) :: pair(8, block_pairs), spin(4, block_pairs)  !< see gather_friction
     real(wp), intent(inout) :: record(lanes, record_rows, *)  !< see contact_lanes
     real(wp), intent(inout) :: angle(3, *)             !< with rolling springs
-    real(wp), intent(inout) :: force(8, *)
+    integer, intent(in) :: ring(2)                    !< see force_place: own parcels, columns of force
+    real(wp), intent(inout) :: force(8, 0:*)
 
     real(wp) :: forces(8, block_pairs), torque(3, block_pairs)
 
     call friction_forces(law, full_lanes(n), pair, spin, record, forces)
     if (law%rolling%on) then
       call roll_pairs(law, n, i, j, state, pair, forces, angle, torque)
-      call scatter_rolling(n, i, j, state, forces, torque, force)
+      call scatter_rolling(n, i, j, state, forces, torque, ring, force)
     else
-      call scatter_friction(n, i, j, forces, force)
+      call scatter_friction(n, i, j, forces, ring, force)
     end if
   end subroutine add_friction
 
@@ -146,32 +150,36 @@ contains
 
   !> As `scatter_friction`, with the torques against rolling, which are opposite on the two. What a pair does is added at once,
   !> so that sums do not depend on where blocks end.
-  pure subroutine scatter_rolling(n, i, j, state, forces, torque, force)
+  pure subroutine scatter_rolling(n, i, j, state, forces, torque, ring, force)
     integer, intent(in) :: n, i(n), j(n)
     real(wp), intent(in) :: state(frictional_rows, *)
     real(wp), intent(in) :: forces(8, block_pairs), torque(3, block_pairs)
-    real(wp), intent(inout) :: force(8, *)
+    integer, intent(in) :: ring(2)                    !< see force_place: own parcels, columns of force
+    real(wp), intent(inout) :: force(8, 0:*)
 
     real(wp) :: share(8)
-    integer :: m
+    integer :: m, a, b
 
     do m = 1, n
       share = forces(:, m)
       share(5:7) = share(5:7) + state(curvature_row, i(m))*torque(:, m)
-      force(1:8, i(m)) = force(1:8, i(m)) + share
+      a = force_place(i(m), ring(1), ring(2))
+      force(1:8, a) = force(1:8, a) + share
       share = reaction*forces(:, m)
       share(5:7) = share(5:7) - state(curvature_row, j(m))*torque(:, m)
-      force(1:8, j(m)) = force(1:8, j(m)) + share
+      b = force_place(j(m), ring(1), ring(2))
+      force(1:8, b) = force(1:8, b) + share
     end do
   end subroutine scatter_rolling
 
   !> Add the forces of the pairs that touch, without friction.
-  subroutine sweep_frictionless(law, pairs, last, state, force)
+  subroutine sweep_frictionless(law, pairs, last, state, ring, force)
     type(contact_law_t), intent(in) :: law
     type(close_pairs_t), intent(inout) :: pairs
     integer, intent(in) :: last              !< pair; those up to `pairs%swept` are done
     real(wp), intent(in) :: state(frictionless_rows, *)  !< see parcels
-    real(wp), intent(inout) :: force(4, *)   !< 1:3 force [N]
+    integer, intent(in) :: ring(2)           !< see force_place: own parcels, columns of force
+    real(wp), intent(inout) :: force(4, 0:*)   !< 1:3 force [N]
 
     integer :: i(block_pairs), j(block_pairs), place(block_pairs), first, next, n
 
@@ -179,28 +187,29 @@ contains
     do while (first <= last)
       next = min(first + block_pairs, last + 1)
       if (pairs%tight) then
-        call add_frictionless(law, next - first, pairs%i(first:next - 1), pairs%j(first:next - 1), state, force)
+        call add_frictionless(law, next - first, pairs%i(first:next - 1), pairs%j(first:next - 1), state, ring, force)
       else
         call select_pairs(frictionless_rows, state, pairs, first, next - first, n, i, j, place)
-        call add_frictionless(law, n, i, j, state, force)
+        call add_frictionless(law, n, i, j, state, ring, force)
       end if
       first = next
     end do
   end subroutine sweep_frictionless
 
   !> What a block of pairs adds.
-  pure subroutine add_frictionless(law, n, i, j, state, force)
+  pure subroutine add_frictionless(law, n, i, j, state, ring, force)
     type(contact_law_t), intent(in) :: law
     integer, intent(in) :: n, i(n), j(n)               !< columns
     real(wp), intent(in) :: state(frictionless_rows, *)
-    real(wp), intent(inout) :: force(4, *)
+    integer, intent(in) :: ring(2)           !< see force_place: own parcels, columns of force
+    real(wp), intent(inout) :: force(4, 0:*)
 
     real(wp) :: pair(8, block_pairs), curvature(block_pairs), forces(4, block_pairs)
 
     call gather_frictionless(n, i, j, state, pair)
     if (law%hertzian) call gather_curvature(n, i, j, state, curvature)
     call frictionless_forces(law, full_lanes(n), pair, curvature, forces)
-    call scatter_frictionless(n, i, j, forces, force)
+    call scatter_frictionless(n, i, j, forces, ring, force)
   end subroutine add_frictionless
 
   !> Of a block of pairs, those that touch. In passes, of which the first two are vectors: a row of memory at a time, then a row
@@ -300,40 +309,46 @@ contains
   end subroutine gather_curvature
 
   !> Force and torque on both parcels of every pair.
-  pure subroutine scatter_friction(n, i, j, forces, force)
+  pure subroutine scatter_friction(n, i, j, forces, ring, force)
     integer, intent(in) :: n, i(n), j(n)
     real(wp), intent(in) :: forces(8, block_pairs)
-    real(wp), intent(inout) :: force(8, *)
+    integer, intent(in) :: ring(2)                    !< see force_place: own parcels, columns of force
+    real(wp), intent(inout) :: force(8, 0:*)
 
-    integer :: m, l
+    integer :: m, l, a, b
 
     do m = 1, n
+      a = force_place(i(m), ring(1), ring(2))
+      b = force_place(j(m), ring(1), ring(2))
       !$omp simd simdlen(8)
       do l = 1, 8
-        force(l, i(m)) = force(l, i(m)) + forces(l, m)
+        force(l, a) = force(l, a) + forces(l, m)
       end do
       !$omp simd simdlen(8)
       do l = 1, 8
-        force(l, j(m)) = force(l, j(m)) + reaction(l)*forces(l, m)
+        force(l, b) = force(l, b) + reaction(l)*forces(l, m)
       end do
     end do
   end subroutine scatter_friction
 
-  pure subroutine scatter_frictionless(n, i, j, forces, force)
+  pure subroutine scatter_frictionless(n, i, j, forces, ring, force)
     integer, intent(in) :: n, i(n), j(n)
     real(wp), intent(in) :: forces(4, block_pairs)
-    real(wp), intent(inout) :: force(4, *)
+    integer, intent(in) :: ring(2)           !< see force_place: own parcels, columns of force
+    real(wp), intent(inout) :: force(4, 0:*)
 
-    integer :: m, l
+    integer :: m, l, a, b
 
     do m = 1, n
+      a = force_place(i(m), ring(1), ring(2))
+      b = force_place(j(m), ring(1), ring(2))
       !$omp simd simdlen(4)
       do l = 1, 4
-        force(l, i(m)) = force(l, i(m)) + forces(l, m)
+        force(l, a) = force(l, a) + forces(l, m)
       end do
       !$omp simd simdlen(4)
       do l = 1, 4
-        force(l, j(m)) = force(l, j(m)) - forces(l, m)
+        force(l, b) = force(l, b) - forces(l, m)
       end do
     end do
   end subroutine scatter_frictionless

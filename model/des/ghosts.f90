@@ -46,7 +46,6 @@ contains
       parcels%powder(parcels%n + 1:parcels%n_all()) = int(ids(1, :))
     end if
     call self%route%refresh(parcels%state, size(parcels%state, 1), parcels%n + 1)
-    parcels%force(:, parcels%n + 1:parcels%n_all()) = 0.0_wp
   end subroutine invite
 
   subroutine find_images(tiles, range, parcels, destination, column, shift)

@@ -11,18 +11,20 @@
 !> the first step is by the forces at its start.
 module motion
   use kinds, only: wp
-  use parcels, only: parcels_t, coupled_rows, drive_row, frictional_rows, frictional_force_rows, frictionless_force_rows
+  use parcels, only: parcels_t, coupled_rows, drive_row, velocity_row, frictional_rows, frictionless_rows, force_place
   implicit none
   private
-  public :: start_lead, add_lead, take_lead, drift, kick_and_drift, farthest
+  public :: start_lead, add_lead, take_lead, drift, kick_and_drift, note_places, farthest, fastest_speed
 
+  real(wp), parameter :: moving(4) = [1, 1, 1, 0]  !< what moves of a row: the inverse mass and that of the radius stay
   real(wp), parameter :: per_inertia = 2.5_wp  !< W m r^2 / I of a sphere [-]
 
 contains
 
-  !> Leads by the forces where parcels are, which are forgotten.
-  pure subroutine start_lead(parcels, gravity, dt)
+  !> Leads of some parcels by the forces where they are, which are forgotten.
+  pure subroutine start_lead(parcels, columns, gravity, dt)
     type(parcels_t), intent(inout) :: parcels
+    integer, intent(in) :: columns(2)       !< first and last
     real(wp), intent(in) :: gravity(3)      !< the drive where there is no gas to give one [m/s2]
     real(wp), intent(in) :: dt              !< [s]
 
@@ -30,11 +32,14 @@ contains
     integer :: i
 
     drive = gravity
-    do i = 1, parcels%n
+    do i = columns(1), columns(2)
       if (parcels%with_gas) drive = parcels%coupled(drive_row:drive_row + 2, i)
-      parcels%aside(1:3, i) = 0.5_wp*dt*(parcels%state(8, i)*parcels%force(1:3, i) + drive)
-      if (parcels%rotation) parcels%aside(4:6, i) = 0.5_wp*dt*per_inertia*parcels%state(8, i)*parcels%force(5:7, i)
-      parcels%force(:, i) = 0.0_wp
+      associate (force => parcels%force(:, force_place(i, parcels%n, parcels%ring)), per_mass => parcels%state(8, i))
+        parcels%aside(:, i) = 0.0_wp
+        parcels%aside(1:3, i) = 0.5_wp*dt*(per_mass*force(1:3) + drive)
+        if (parcels%rotation) parcels%aside(5:7, i) = 0.5_wp*dt*per_inertia*per_mass*force(5:7)
+        force = 0.0_wp
+      end associate
     end do
   end subroutine start_lead
 
@@ -42,17 +47,13 @@ contains
   pure subroutine add_lead(parcels)
     type(parcels_t), intent(inout) :: parcels
 
-    real(wp) :: v(3)
+    real(wp) :: v(size(parcels%aside, 1))
     integer :: i
 
     do i = 1, parcels%n
-      v = parcels%state(5:7, i)
-      parcels%state(5:7, i) = v + parcels%aside(1:3, i)
-      parcels%aside(1:3, i) = v
-      if (.not. parcels%rotation) cycle
-      v = parcels%state(9:11, i)
-      parcels%state(9:11, i) = v + parcels%aside(4:6, i)
-      parcels%aside(4:6, i) = v
+      v = parcels%state(velocity_row:, i)
+      parcels%state(velocity_row:, i) = v + parcels%aside(:, i)
+      parcels%aside(:, i) = v
     end do
   end subroutine add_lead
 
@@ -60,17 +61,13 @@ contains
   pure subroutine take_lead(parcels)
     type(parcels_t), intent(inout) :: parcels
 
-    real(wp) :: v(3)
+    real(wp) :: v(size(parcels%aside, 1))
     integer :: i
 
     do i = 1, parcels%n
-      v = parcels%aside(1:3, i)
-      parcels%aside(1:3, i) = parcels%state(5:7, i) - v
-      parcels%state(5:7, i) = v
-      if (.not. parcels%rotation) cycle
-      v = parcels%aside(4:6, i)
-      parcels%aside(4:6, i) = parcels%state(9:11, i) - v
-      parcels%state(9:11, i) = v
+      v = parcels%aside(:, i)
+      parcels%aside(:, i) = parcels%state(velocity_row:, i) - v
+      parcels%state(velocity_row:, i) = v
     end do
   end subroutine take_lead
 
@@ -103,49 +100,107 @@ contains
 
     real(wp) :: drive(coupled_rows, 1)
 
-    if (parcels%with_gas) then
-      call move(size(parcels%state, 1), columns, parcels%coupled, 1, times, parcels%state, parcels%aside, parcels%force, &
-                fastest, energy)
-    else
-      drive = 0.0_wp
-      drive(1:3, 1) = gravity
-      call move(size(parcels%state, 1), columns, drive, 0, times, parcels%state, parcels%aside, parcels%force, fastest, energy)
-    end if
+    associate (p => parcels)
+      if (p%with_gas .and. p%rotation) then
+        call move_spinning(columns, p%coupled, 1, times, p%ring, p%state, p%aside, p%force, fastest, energy)
+      else if (p%with_gas) then
+        call move_smooth(columns, p%coupled, 1, times, p%ring, p%state, p%aside, p%force, fastest, energy)
+      else
+        drive = 0.0_wp
+        drive(1:3, 1) = gravity
+        if (p%rotation) then
+          call move_spinning(columns, drive, 0, times, p%ring, p%state, p%aside, p%force, fastest, energy)
+        else
+          call move_smooth(columns, drive, 0, times, p%ring, p%state, p%aside, p%force, fastest, energy)
+        end if
+      end if
+    end associate
   end subroutine kick_and_drift
 
-  !> The loop itself. Column 1 + (i-1)*stride of `drive` belongs to parcel i.
-  pure subroutine move(rows, columns, drive, stride, times, state, aside, force, fastest, energy)
-    integer, intent(in) :: rows, columns(2), stride
+  !> The loop itself, all that has a velocity at once; column 1 + (i-1)*stride of `drive` belongs to parcel i.
+  pure subroutine move_spinning(columns, drive, stride, times, ring, state, aside, force, fastest, energy)
+    integer, intent(in) :: columns(2), stride
     real(wp), intent(in) :: drive(coupled_rows, *)      !< 1:3 [m/s2]
     real(wp), intent(in) :: times(2)                    !< of the kick, of the drift [s]
-    real(wp), intent(inout) :: state(rows, *), aside(merge(6, 3, rows == frictional_rows), *)
-    real(wp), intent(inout) :: force(merge(frictional_force_rows, frictionless_force_rows, rows == frictional_rows), *)
+    integer, intent(in) :: ring                         !< see force_place
+    real(wp), intent(inout) :: state(frictional_rows, *), aside(8, *), force(8, 0:*)
     real(wp), intent(inout) :: fastest, energy
 
-    real(wp) :: v(3), spin(3), gain(3), square, per_mass
-    integer :: i, column
+    real(wp) :: v(8), gain(8), kick(8), push(8), way(4), square
+    integer :: i, l, column, place
 
+    kick = times(1)*[moving, per_inertia*moving]
+    push = times(1)*[moving, 0*moving]
+    way = times(2)*moving
     do i = columns(1), columns(2)
       column = 1 + (i - 1)*stride
-      per_mass = times(1)*state(8, i)
-      gain = per_mass*force(1:3, i) + times(1)*drive(1:3, column)
-      v = aside(1:3, i) + gain
-      aside(1:3, i) = v
-      state(5:7, i) = v + 0.5_wp*gain
-      state(1:3, i) = state(1:3, i) + times(2)*v
-      if (rows == frictional_rows) then
-        gain = per_inertia*per_mass*force(5:7, i)
-        spin = aside(4:6, i) + gain
-        aside(4:6, i) = spin
-        state(9:11, i) = spin + 0.5_wp*gain
-        force(5:8, i) = 0.0_wp
-      end if
-      force(1:4, i) = 0.0_wp
+      place = force_place(i, i, ring)
+      !$omp simd simdlen(8)
+      do l = 1, 8
+        gain(l) = kick(l)*state(8, i)*force(l, place) + push(l)*drive(l, column)
+        v(l) = aside(l, i) + gain(l)
+        aside(l, i) = v(l)
+        force(l, place) = 0.0_wp
+      end do
+      !$omp simd simdlen(8)
+      do l = 1, 8
+        state(l + 4, i) = v(l) + 0.5_wp*gain(l)
+      end do
+      !$omp simd simdlen(4)
+      do l = 1, 4
+        state(l, i) = state(l, i) + way(l)*v(l)
+      end do
       square = v(1)*v(1) + v(2)*v(2) + v(3)*v(3)
       fastest = max(fastest, square)
       energy = energy + square
     end do
-  end subroutine move
+  end subroutine move_spinning
+
+  !> The same without spin.
+  pure subroutine move_smooth(columns, drive, stride, times, ring, state, aside, force, fastest, energy)
+    integer, intent(in) :: columns(2), stride
+    real(wp), intent(in) :: drive(coupled_rows, *)
+    real(wp), intent(in) :: times(2)
+    integer, intent(in) :: ring
+    real(wp), intent(inout) :: state(frictionless_rows, *), aside(4, *), force(4, 0:*)
+    real(wp), intent(inout) :: fastest, energy
+
+    real(wp) :: v(4), gain(4), kick(4), way(4), square
+    integer :: i, l, column, place
+
+    kick = times(1)*moving
+    way = times(2)*moving
+    do i = columns(1), columns(2)
+      column = 1 + (i - 1)*stride
+      place = force_place(i, i, ring)
+      !$omp simd simdlen(4)
+      do l = 1, 4
+        gain(l) = kick(l)*(state(8, i)*force(l, place) + drive(l, column))
+        v(l) = aside(l, i) + gain(l)
+        aside(l, i) = v(l)
+        force(l, place) = 0.0_wp
+      end do
+      !$omp simd simdlen(4)
+      do l = 1, 4
+        state(l + 4, i) = v(l) + 0.5_wp*gain(l)
+        state(l, i) = state(l, i) + way(l)*v(l)
+      end do
+      square = v(1)*v(1) + v(2)*v(2) + v(3)*v(3)
+      fastest = max(fastest, square)
+      energy = energy + square
+    end do
+  end subroutine move_smooth
+
+  !> From here on the ways of parcels count.
+  pure subroutine note_places(parcels)
+    type(parcels_t), intent(inout) :: parcels
+
+    integer :: i
+
+    do i = 1, parcels%n
+      parcels%built(:, i) = parcels%state(1:3, i)
+    end do
+  end subroutine note_places
 
   !> The longest way any of my parcels has gone since the lists were made [m].
   pure function farthest(parcels)
@@ -161,5 +216,20 @@ contains
     end do
     farthest = sqrt(square)
   end function farthest
+
+  !> Of any of my parcels [m/s].
+  pure function fastest_speed(parcels)
+    type(parcels_t), intent(in) :: parcels
+    real(wp) :: fastest_speed
+
+    real(wp) :: square
+    integer :: i
+
+    square = 0.0_wp
+    do i = 1, parcels%n
+      square = max(square, sum(parcels%state(5:7, i)**2))
+    end do
+    fastest_speed = sqrt(square)
+  end function fastest_speed
 
 end module motion

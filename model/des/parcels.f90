@@ -6,8 +6,7 @@ module parcels
   implicit none
   private
   public :: parcels_t, position_row, radius_row, velocity_row, mass_row, spin_row, curvature_row, &
-    drive_row, drag_row, before_row, frictional_rows, frictionless_rows, coupled_rows, &
-    frictional_force_rows, frictionless_force_rows
+    drive_row, drag_row, before_row, frictional_rows, frictionless_rows, coupled_rows, force_place
 
   ! Rows of `state`.
   integer, parameter :: position_row = 1  !< 1:3 position [m]
@@ -17,7 +16,6 @@ module parcels
   integer, parameter :: spin_row = 9      !< 9:11 angular velocity times collision radius [m/s]
   integer, parameter :: curvature_row = 12  !< inverse of the collision radius [1/m]
   integer, parameter :: frictional_rows = 12, frictionless_rows = 8
-  integer, parameter :: frictional_force_rows = 8, frictionless_force_rows = 4
 
   ! Rows of `coupled`.
   integer, parameter :: drive_row = 1     !< 1:3 acceleration by all but contacts, over a gas step [m/s2]
@@ -34,9 +32,10 @@ module parcels
     logical :: rotation = .false.             !< whether parcels spin: state has 12 rows, else 8
     logical :: with_gas = .false.             !< whether `coupled` exists
     real(wp), allocatable :: state(:,:)       !< (12 or 8, capacity), see the rows above
-    real(wp), allocatable :: force(:,:)       !< (8 or 4, capacity) contact force 1:3 [N], torque/radius 5:7 [N]
+    real(wp), allocatable :: force(:,:)       !< (8 or 4, 0:ring) contact force 1:3 [N], torque/radius 5:7 [N]: see force_place
+    integer :: ring = 0                       !< a power of two
     real(wp), allocatable :: coupled(:,:)     !< (12, capacity) what the gas does, see the rows above
-    real(wp), allocatable :: aside(:,:)       !< (6 or 3, capacity) velocities and spins, or their lead: see motion [m/s]
+    real(wp), allocatable :: aside(:,:)       !< (8 or 4, capacity) rows of `state` from velocity on, or their lead: see motion
     real(wp), allocatable :: built(:,:)       !< (3, capacity) position when the neighbour list was made [m]
     real(wp), allocatable :: diameter(:)      !< of one real particle [m]
     real(wp), allocatable :: weight(:)        !< real particles per parcel [-]
@@ -45,6 +44,7 @@ module parcels
   contains
     procedure :: create
     procedure :: reserve
+    procedure :: make_ring
     procedure :: reorder
     procedure :: n_all
     procedure :: packed_rows
@@ -81,9 +81,8 @@ contains
     if (columns <= self%capacity) return
     capacity = columns + columns/4
     call grow(self%state, merge(frictional_rows, frictionless_rows, self%rotation), capacity)
-    call grow(self%force, merge(frictional_force_rows, frictionless_force_rows, self%rotation), capacity)
     if (self%with_gas) call grow(self%coupled, coupled_rows, capacity)
-    call grow(self%aside, merge(6, 3, self%rotation), capacity)
+    call grow(self%aside, size(self%state, 1) - radius_row, capacity)
     call grow(self%built, 3, capacity)
     call grow_reals(self%diameter, capacity)
     call grow_reals(self%weight, capacity)
@@ -92,9 +91,34 @@ contains
     self%capacity = capacity
   end subroutine reserve
 
+  !> Room for the forces on so many parcels at a time. None is in use.
+  subroutine make_ring(self, window)
+    class(parcels_t), intent(inout) :: self
+    integer, intent(in) :: window
+
+    if (self%ring >= min(window, self%n) .and. self%ring > 0) return
+    self%ring = max(self%ring, 1)
+    do while (self%ring < min(window, self%n))
+      self%ring = 2*self%ring
+    end do
+    if (allocated(self%force)) deallocate (self%force)
+    allocate (self%force(size(self%state, 1) - radius_row, 0:self%ring), source=0.0_wp)
+  end subroutine make_ring
+
+  !> The column of `force` for a parcel. A parcel's force is gathered from the stretch of rows that has its first partner to
+  !> that of its own, where it moves and the force is spent. So parcels take turns in few columns, which stay in the cache. Nobody
+  !> asks for the force on a ghost: it goes to column 0.
+  elemental function force_place(column, own, ring) result(place)
+    integer, intent(in) :: column  !< of the parcel
+    integer, intent(in) :: own     !< parcels of this rank
+    integer, intent(in) :: ring    !< a power of two
+    integer :: place
+
+    place = merge(1 + iand(column - 1, ring - 1), 0, column <= own)
+  end function force_place
+
   !> Put parcel order(k) into column k, for k from 1 to size(order), which becomes the number of
-  !> parcels. Forces and ghosts are not kept: forces become zero, for a column may have been a ghost's, which
-  !> gathers reactions that nobody asks for.
+  !> parcels. Ghosts are not kept.
   subroutine reorder(self, order)
     class(parcels_t), intent(inout) :: self
     integer, intent(in) :: order(:)
@@ -110,7 +134,6 @@ contains
     self%weight(1:n) = self%weight(order)
     self%powder(1:n) = self%powder(order)
     self%id(1:n) = self%id(order)
-    self%force(:, 1:n) = 0.0_wp
     self%n = n
     self%n_ghost = 0
   end subroutine reorder

@@ -4,14 +4,12 @@
 !> processor foresees where. Read one behind the other they make it wait less. Not so where those that touch are selected first,
 !> which reads the partners with little else to do (see close_pairs): there reading ahead costs 14 %.
 module read_ahead
-  use contact_list, only: contact_list_t
+  use contact_list, only: contact_list_t, stretch_rows
   use kinds, only: wp
   use parcels, only: parcels_t
   implicit none
   private
-  public :: read_ahead_t, stretch_rows
-
-  integer, parameter :: stretch_rows = 1024  !< rows whose parcels, partners and pairs stay in the L2 cache
+  public :: read_ahead_t
 
   type :: read_ahead_t
     integer, allocatable, private :: column(:)   !< of one stretch after the other, ascending in each
@@ -73,22 +71,21 @@ contains
     type(parcels_t), intent(in) :: parcels
 
     associate (k => stretch_of(row))
-      call read_columns(self%column(self%last(k - 1) + 1:self%last(k)), size(parcels%state, 1), parcels%state, &
-                        size(parcels%force, 1), parcels%force, self%largest)
+      call read_columns(self%column(self%last(k - 1) + 1:self%last(k)), size(parcels%state, 1), parcels%state, self%largest)
     end associate
   end subroutine read_stretch
 
   !> A number of each line of memory that a column has. Vectors would gather them, more slowly.
-  pure subroutine read_columns(column, rows, state, force_rows, force, largest)
-    integer, intent(in) :: column(:), rows, force_rows
-    real(wp), intent(in) :: state(rows, *), force(force_rows, *)
+  pure subroutine read_columns(column, rows, state, largest)
+    integer, intent(in) :: column(:), rows
+    real(wp), intent(in) :: state(rows, *)
     real(wp), intent(inout) :: largest
 
     integer :: k
 
     !GCC$ novector
     do k = 1, size(column)
-      largest = max(largest, state(1, column(k)), state(rows, column(k)), force(1, column(k)))
+      largest = max(largest, state(1, column(k)), state(rows, column(k)))
     end do
   end subroutine read_columns
 

@@ -6,24 +6,25 @@
 !> that own their places, sorts them in space and gives the contacts their slips back.
 module solids
   use close_pairs, only: close_pairs_t
-  use cohesion_sweep, only: attract_pairs, attract_walls
+  use cohesion_sweep, only: attract_walls
   use communicator, only: communicator_t
   use contact_history, only: history_t
   use contact_laws, only: contact_laws_t, new_contact_laws
-  use contact_list, only: contact_list_t
-  use contact_parts, only: part_t, deal, gathered, begin_pairs, any_tight, sweep_rows
+  use contact_list, only: contact_list_t, stretch_rows
+  use contact_parts, only: part_t, deal, gathered, begin_pairs, any_tight, widest_window, sweep_rows, attract_rows
   use contact_settings, only: contact_settings_t
   use constants, only: pi, is_set
   use des_settings, only: des_settings_t
   use ghosts, only: ghosts_t
   use kinds, only: wp, i8
+  use list_skin, only: widest_skin, fitting_skin, skin_within
   use migration, only: settle_owners
-  use motion, only: start_lead, add_lead, take_lead, drift, kick_and_drift, farthest
+  use motion, only: start_lead, add_lead, take_lead, drift, kick_and_drift, note_places, farthest, fastest_speed
   use neighbours, only: search_t
   use outcome, only: outcome_t
   use parcel_extremes, only: widen_extremes
   use parcels, only: parcels_t, radius_row, mass_row, curvature_row
-  use read_ahead, only: read_ahead_t, stretch_rows
+  use read_ahead, only: read_ahead_t
   use solids_trouble, only: find_trouble, check_period
   use tiles, only: tiles_t, new_tiles
   use chamber, only: chamber_t
@@ -32,7 +33,6 @@ module solids
   private
   public :: solids_t
 
-  real(wp), parameter :: automatic_skin = 0.4_wp    !< skin over the diameter of a parcel
   real(wp), parameter :: tolerated_imbalance = 1.1_wp  !< largest load over the mean before tiles change hands
   real(wp), parameter :: farthest_step = 0.1_wp      !< way of a parcel in one step, over the smallest radius
   real(wp), parameter :: entry_work = 0.3_wp         !< work of a listed pair over that of a parcel by itself
@@ -140,7 +140,6 @@ contains
         p%state(5:7, c) = velocity(:, m)
         p%state(mass_row, c) = 1/(weight(m)*density(m)*pi/6*diameter(m)**3)
         if (p%rotation) p%state(curvature_row, c) = 1/p%state(radius_row, c)
-        p%force(:, c) = 0.0_wp
         p%aside(:, c) = 0.0_wp
         p%diameter(c) = diameter(m)
         p%weight(c) = weight(m)
@@ -155,10 +154,10 @@ contains
     self%mass_added = self%mass_added + self%comm%sum(mass)
     call self%set_reach()
     call self%make_lists(self%trouble)
-    call note_places(self)
+    call start_ways(self)
   end subroutine add
 
-  !> What follows from the sizes of all parcels: the range of contacts, the skin, and tiles at least so wide.
+  !> What follows from the sizes of all parcels: the range of contacts, and tiles as wide as that is with the widest skin.
   subroutine set_reach(self)
     class(solids_t), intent(inout) :: self
 
@@ -168,17 +167,26 @@ contains
                         self%lightest)
     if (.not. self%largest_radius > 0.0_wp) return
     self%smallest_radius = minval(self%smallest)
-    self%skin = merge(self%numerics%skin, automatic_skin*typical_width(self), is_set(self%numerics%skin))
-    self%range = 2*self%largest_radius + self%skin + self%reach
+    self%skin = allowed_skin(self, self%skin)
     call self%search%set_levels(self%smallest_radius, self%largest_radius)
-    width = max(self%tile_width, self%range)
+    width = max(self%tile_width, 2*self%largest_radius + self%reach + max(self%skin, widest_skin*typical_width(self)))
     if (allocated(self%tiles%owner)) then
-      if (all(self%tiles%width >= self%range .or. self%tiles%n == 1)) return
+      if (all(self%tiles%width >= width .or. self%tiles%n == 1)) return
     end if
-    self%tiles = new_tiles(self%comm, self%chamber%lower, self%chamber%upper, self%chamber%periodic, &
-                           [width, width, width])
+    self%tiles = new_tiles(self%comm, self%chamber%lower, self%chamber%upper, self%chamber%periodic, [width, width, width])
     self%tilings = self%tilings + 1
   end subroutine set_reach
+
+  !> The skin of the case, or the given one within limits [m].
+  pure function allowed_skin(self, skin) result(allowed)
+    type(solids_t), intent(in) :: self
+    real(wp), intent(in) :: skin  !< [m]
+    real(wp) :: allowed
+
+    allowed = self%numerics%skin
+    if (is_set(allowed)) return
+    allowed = skin_within(self%chamber, 2*self%largest_radius + self%reach, typical_width(self), skin)
+  end function allowed_skin
 
   !> Of a parcel, between smallest and largest [m].
   pure function typical_width(self) result(width)
@@ -214,14 +222,9 @@ contains
     class(solids_t), intent(in) :: self
     real(wp) :: dt
 
-    real(wp) :: square, speed
-    integer :: i
+    real(wp) :: speed
 
-    square = 0.0_wp
-    do i = 1, self%parcels%n
-      square = max(square, sum(self%parcels%state(5:7, i)**2))
-    end do
-    speed = sqrt(self%comm%max(square))
+    speed = self%comm%max(fastest_speed(self%parcels))
     dt = min(self%time_step_limit(speed + max(speed, self%chamber%fastest)), &
              farthest_step*self%smallest_radius/max(speed + self%chamber%fastest, tiny(dt)))
   end function next_step_limit
@@ -259,9 +262,14 @@ contains
     class(solids_t), intent(inout) :: self
     real(wp), intent(in) :: dt  !< of the steps that follow [s]
 
+    integer :: columns(2), first
+
     call begin_step(self, 0.0_wp)
-    call find_forces(self, [1, self%parcels%n])
-    call start_lead(self%parcels, self%chamber%gravity, dt)
+    do first = 1, self%parcels%n, stretch_rows
+      columns = [first, min(first + stretch_rows - 1, self%parcels%n)]
+      call find_forces(self, columns)
+      call start_lead(self%parcels, columns, self%chamber%gravity, dt)
+    end do
   end subroutine start
 
   !> Walls go along with the parcels, which are ahead of the time within a step.
@@ -279,16 +287,15 @@ contains
     real(wp), intent(in) :: times(2)          !< of the kick, of the drift [s]
     real(wp), intent(out) :: fastest, energy  !< see kick_and_drift
 
-    integer :: columns(2)
+    integer :: columns(2), first
 
     self%step = self%step + 1
     call begin_step(self, times(1))
     fastest = 0.0_wp
     energy = 0.0_wp
-    columns = 0
-    do while (columns(2) < self%parcels%n)
-      columns = [columns(2) + 1, min(columns(2) + stretch_rows, self%parcels%n)]
-      if (any_tight(self%pairs, self%parts)) call self%ahead%read_stretch(columns(1), self%parcels)
+    do first = 1, self%parcels%n, stretch_rows
+      columns = [first, min(first + stretch_rows - 1, self%parcels%n)]
+      if (any_tight(self%pairs, self%parts)) call self%ahead%read_stretch(first, self%parcels)
       call find_forces(self, columns)
       call kick_and_drift(self%parcels, columns, self%chamber%gravity, times, fastest, energy)
     end do
@@ -300,6 +307,7 @@ contains
 
     call self%laws%set_step(dt)
     call begin_pairs(self%list, self%pairs, self%parts, self%parcels%state, [dt*self%speed, self%skin, typical_width(self)])
+    call self%parcels%make_ring(max(self%list%window, widest_window(self%pairs, self%parts)))
     self%walls%through = 0
     call self%walls%begin_step(self%step, self%travelled + self%chamber%way_since(self%listed_at))
   end subroutine begin_step
@@ -309,18 +317,10 @@ contains
     class(solids_t), intent(inout) :: self
     integer, intent(in) :: columns(2)  !< first and last
 
-    integer :: law
-
     call sweep_rows(self%laws, columns(2), self%pairs, self%parts, self%parcels)
+    call attract_rows(self%laws, self%list, self%parts, columns, self%parcels)
     call self%walls%take_parcels(columns(2))
     call self%walls%sweep(self%chamber, self%laws, self%parcels)
-    do law = 1, size(self%laws%pair)
-      associate (cohesion => self%laws%pair(law)%cohesion)
-        if (.not. cohesion%on) cycle
-        if (.not. allocated(self%parts)) call attract_pairs(cohesion, self%list, columns, self%parcels)
-        if (allocated(self%parts)) call attract_pairs(cohesion, self%parts(law)%list, columns, self%parcels)
-      end associate
-    end do
     if (any(self%laws%wall%cohesion%on)) call attract_walls(self%laws, self%chamber, self%walls, self%parcels)
   end subroutine find_forces
 
@@ -333,7 +333,6 @@ contains
     logical, intent(in) :: sound      !< whether this rank's parcels are where they may be
     type(outcome_t), intent(inout) :: outcome
 
-    real(wp), parameter :: nearly = 0.8_wp
     real(wp) :: largest(2)
 
     largest = [merge(fastest, 0.0_wp, sound), merge(0.0_wp, 1.0_wp, sound)]
@@ -347,7 +346,8 @@ contains
     call self%pairs%note_way(time*self%speed)
     if (allocated(self%parts)) call self%parts%pairs%note_way(time*self%speed)
     if (self%travelled > 0.5_wp*self%skin) self%travelled = self%comm%max(farthest(self%parcels))
-    if (max(self%travelled, self%chamber%way_since(self%listed_at)) > nearly*0.5_wp*self%skin) then
+    ! rather a step too early than looking at the ways in every step
+    if (max(self%travelled, self%chamber%way_since(self%listed_at)) + time*self%speed > 0.5_wp*self%skin) then
       call self%renew_lists(outcome)
     else
       call self%ghosts%refresh(self%parcels)
@@ -370,23 +370,23 @@ contains
     class(solids_t), intent(inout) :: self
     type(outcome_t), intent(inout) :: outcome
 
+    real(wp) :: listed(2)
+
+    listed = self%comm%sum(real([self%list%entries, self%parcels%n], wp))
+    self%skin = allowed_skin(self, fitting_skin(self%skin, typical_width(self), listed(1)/max(listed(2), 1.0_wp)))
     call keep_history(self)
     call self%make_lists(outcome)
-    call note_places(self)
+    call start_ways(self)
   end subroutine renew_lists
 
   !> From here on parcels may go half the skin.
-  pure subroutine note_places(self)
+  pure subroutine start_ways(self)
     class(solids_t), intent(inout) :: self
 
-    integer :: i
-
-    do i = 1, self%parcels%n
-      self%parcels%built(:, i) = self%parcels%state(1:3, i)
-    end do
+    call note_places(self%parcels)
     self%travelled = 0.0_wp
     self%listed_at = self%chamber%time
-  end subroutine note_places
+  end subroutine start_ways
 
   !> The lists themselves, with the slips kept in `history`; for `renew_lists` and the reading of restarts.
   subroutine make_lists(self, outcome)
@@ -398,6 +398,7 @@ contains
     integer :: i
     real(wp) :: mass
 
+    self%range = 2*self%largest_radius + self%reach + self%skin
     call check_period(self%chamber, self%range, outcome)
     call find_trouble(self%comm, self%chamber, self%parcels, self%time, outcome)
     if (outcome%failed()) return

@@ -15,13 +15,13 @@ module solids_state
   private
   public :: solids_state_t, export_state, import_state, n_scalars, n_counts, parcel_rows
 
-  integer, parameter :: n_scalars = 10, n_counts = 4
+  integer, parameter :: n_scalars = 11, n_counts = 4
   integer, parameter :: plain_rows = 22
 
   type :: solids_state_t
     ! Of the whole run, the same on all ranks.
     !> time [s], step, travelled [m], mass added, mass left [kg], largest and smallest radius [m], smallest mass of
-    !> a parcel [kg], listed at [s], largest radius over mass [m/kg]: the components of solids of these names
+    !> a parcel [kg], listed at [s], largest radius over mass [m/kg], skin [m]: the components of solids of these names
     real(wp) :: scalars(n_scalars) = 0.0_wp
     integer(i8) :: counts(n_counts) = 0_i8      !< parcels added, parcels left, lists made, lists weighed
     integer, allocatable :: owner(:)            !< rank of each tile
@@ -60,8 +60,8 @@ contains
           row(1:16) = [s(1:3), p%built(:, i), s(5:7), 0.0_wp, 0.0_wp, 0.0_wp, s(radius_row), s(mass_row), &
                        p%diameter(i), p%weight(i)]
           if (p%rotation) row(10:12) = s(9:11)
-          row(17:22) = 0.0_wp
-          row(17:16 + size(p%aside, 1)) = p%aside(:, i)
+          row(17:22) = [p%aside(1:3, i), 0.0_wp, 0.0_wp, 0.0_wp]
+          if (p%rotation) row(20:22) = p%aside(5:7, i)
           if (p%with_gas) row(plain_rows + 1:) = p%coupled(:, i)
         end associate
         state%labels(:, i) = [p%id(i), int(p%powder(i), i8), 0_i8]
@@ -71,7 +71,7 @@ contains
     if (allocated(solids%tiles%owner)) state%owner = solids%tiles%owner
     state%scalars = [solids%time, solids%step, solids%travelled, solids%mass_added, solids%mass_left, &
                      solids%largest_radius, solids%smallest_radius, minval(solids%lightest), solids%listed_at, &
-                     solids%largest_ratio]
+                     solids%largest_ratio, solids%skin]
     if (size(solids%lightest) > 1) then
       allocate (state%least(2, size(solids%lightest)))
       state%least(1, :) = solids%lightest
@@ -159,6 +159,7 @@ contains
     end if
     solids%listed_at = state%scalars(9)
     solids%largest_ratio = state%scalars(10)
+    solids%skin = state%scalars(11)
     solids%added = state%counts(1)
     solids%left = state%counts(2)
     call import_parcels(state, solids%parcels)
@@ -202,10 +203,11 @@ contains
         parcels%built(:, i) = row(1:3)
         parcels%diameter(i) = row(15)
         parcels%weight(i) = row(16)
-        parcels%aside(:, i) = row(17:16 + size(parcels%aside, 1))
+        parcels%aside(:, i) = 0.0_wp
+        parcels%aside(1:3, i) = row(17:19)
+        if (parcels%rotation) parcels%aside(5:7, i) = row(20:22)
         if (parcels%with_gas) parcels%coupled(:, i) = row(plain_rows + 1:)
       end associate
-      parcels%force(:, i) = 0.0_wp
       parcels%id(i) = state%labels(1, i)
       parcels%powder(i) = int(state%labels(2, i))
     end do

@@ -7,7 +7,7 @@ module solids_trouble
   use chamber, only: chamber_t, n_faces
   implicit none
   private
-  public :: find_trouble, check_period
+  public :: find_trouble, check_period, least_period
 
   real(wp), parameter :: least_period = 3.0_wp  !< in ranges: a pair touches itself or one image, never both
 

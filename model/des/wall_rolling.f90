@@ -4,7 +4,7 @@ module wall_rolling
   use contact_lanes, only: lanes, full_lanes
   use contact_law, only: contact_law_t
   use kinds, only: wp
-  use parcels, only: parcels_t, mass_row, spin_row, curvature_row
+  use parcels, only: parcels_t, mass_row, spin_row, curvature_row, force_place
   use rolling, only: rolling_torques
   use wall_entries, only: wall_entries_t
   implicit none
@@ -49,7 +49,9 @@ contains
     do m = 1, n
       w = touching(m)
       i = self%parcel(w)
-      parcels%force(5:7, i) = parcels%force(5:7, i) + parcels%state(curvature_row, i)*torque(:, m)
+      associate (torques => parcels%force(5:7, force_place(i, parcels%n, parcels%ring)))
+        torques = torques + parcels%state(curvature_row, i)*torque(:, m)
+      end associate
       if (law%rolling%spring) self%angle(:, w) = angle(:, m)
     end do
   end subroutine roll

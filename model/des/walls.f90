@@ -12,7 +12,7 @@ module walls
   use kinds, only: wp
   use mesh_contacts, only: find_contacts, hand_over
   use mesh_wall, only: closest
-  use parcels, only: parcels_t
+  use parcels, only: parcels_t, force_place
   use wall_entries, only: wall_entries_t, shift_of
   use wall_rolling, only: roll
   use chamber, only: chamber_t, face_normal, n_faces
@@ -405,7 +405,7 @@ contains
       curvature(1:full) = 1/pair(4, 1:full)
       call frictionless_forces(law, full, pair, curvature, push)
       do m = 1, n
-        i = self%parcel(touching(m))
+        i = force_place(self%parcel(touching(m)), parcels%n, parcels%ring)
         parcels%force(1:3, i) = parcels%force(1:3, i) + push(1:3, m)
       end do
       return
@@ -421,7 +421,7 @@ contains
     call friction_forces(law, full, pair, spin, record, force)
     if (law%rolling%on) call roll(self%wall_entries_t, chamber, law, touching, pair, force, parcels)
     do m = 1, n
-      i = self%parcel(touching(m))
+      i = force_place(self%parcel(touching(m)), parcels%n, parcels%ring)
       self%slip(1:3, touching(m)) = record(lane_of(m), 1:3, group_of(m))
       self%slip(4, touching(m)) = self%step
       parcels%force(:, i) = parcels%force(:, i) + force(:, m)

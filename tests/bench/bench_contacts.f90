@@ -440,7 +440,7 @@ contains
     integer(int64) :: bytes
 
     associate (p => solids%parcels, pairs => solids%pairs)
-      bytes = p%n*(8_int64*(size(p%state, 1) + size(p%force, 1) + size(p%aside, 1) + 3 + 2 + 1) + 4) &
+      bytes = p%n*(8_int64*(size(p%state, 1) + size(p%aside, 1) + 3 + 2 + 1) + 4) + 8_int64*size(p%force) &
               + solids%list%entries*8_int64 + pairs%n*12_int64
       if (allocated(pairs%record)) bytes = bytes + 8_int64*size(pairs%record)
       if (allocated(pairs%place)) bytes = bytes + 4_int64*size(pairs%place) + 8_int64*(size(pairs%memory) + size(pairs%before))
