@@ -122,10 +122,10 @@ contains
     call falling(alone, three(friction, [1, 2, 3]), apart)
     call expect_all(size(apart%parts) == 6, 'every pair of materials has its own part of the list')
     do i = 1, 10
-      call run(together, 25, apart%time_step_limit())
+      call run(together, 50, apart%time_step_limit())
       call together%rebalance(changed, outcome)
       ever = ever .or. changed
-      call run(apart, 25, apart%time_step_limit())
+      call run(apart, 50, apart%time_step_limit())
     end do
     call gather(together, a)
     call gather(apart, b)

@@ -76,7 +76,10 @@ contains
     call expect_all(in_order(solids), 'partners are own parcels behind, then ghosts: '//name)
     call expect_all(all(seen(solids) == near(x, diameter, solids%skin, periodic)), &
                     'the pairs listed are those near: '//name)
+    call solids%renew_lists(outcome)
+    call expect_all(all(seen(solids) == near(x, diameter, solids%skin, periodic)), 'and where the skin has changed: '//name)
     allocate (before(solids%list%entries), source=solids%list%partner(1:solids%list%entries))
+    solids%numerics%skin = solids%skin
     call solids%renew_lists(outcome)
     call expect_all(size(before) == solids%list%entries, 'lists made twice are the same: '//name)
     if (size(before) /= solids%list%entries) return
