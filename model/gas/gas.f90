@@ -6,6 +6,7 @@
 module gas
   use boundary_settings, only: boundary_settings_t
   use boxes, only: boxes_t
+  use eddy_viscosity, only: let_swirl
   use gas_density, only: balance_pressure => balance, let_vary
   use gas_numerics, only: gas_numerics_t
   use gas_settings, only: gas_settings_t
@@ -52,6 +53,7 @@ contains
     call create_state(boxes, mesh, settings, records, numerics, gas, outcome, space)
     if (outcome%failed()) return
     if (settings%density_law == 'ideal') call let_vary(gas, settings, records)
+    if (settings%turbulence_model == 'smagorinsky') call let_swirl(gas, settings%smagorinsky_constant)
   end subroutine new_gas
 
   !> With the gravity set, before the first step: an ideal gas begins at rest, with the pressure that carries its weight.

@@ -16,6 +16,8 @@ module gas_settings
     real(wp) :: temperature = unset      !< ideal [K]
     real(wp) :: reference_pressure = unset  !< ideal: absolute pressure from which all others are counted [Pa]
     real(wp) :: viscosity = 1.8e-5_wp    !< dynamic [Pa s]
+    character(len=word_length) :: turbulence_model = 'none'  !< 'none' | 'smagorinsky'
+    real(wp) :: smagorinsky_constant = 0.17_wp  !< C_s [-]
     real(wp) :: velocity(3) = 0.0_wp     !< at the start, in the voids [m/s]
     real(wp) :: pressure = 0.0_wp        !< at the start, and that of outflows which name none [Pa]
     real(wp) :: pressure_drop(3) = 0.0_wp  !< along periodic directions, over the domain [Pa]
@@ -33,6 +35,7 @@ contains
     settings%present = keys%has_group('gas')
     call declare_density(settings, keys)
     call keys%get('viscosity', settings%viscosity, 'dynamic viscosity of the gas [Pa s]', '(0, inf)')
+    call declare_turbulence(settings, keys)
     call keys%get('velocity', settings%velocity, 'velocity in the voids at the start [m/s]')
     call keys%get('pressure', settings%pressure, 'pressure at the start, and that of outflows that name none [Pa]')
     call keys%get('pressure_drop', settings%pressure_drop, &
@@ -44,6 +47,21 @@ contains
                       'give either mass_flow or pressure_drop')
     call check_ideal(settings, keys)
   end subroutine declare_gas
+
+  !> The eddies that are smaller than the cells.
+  subroutine declare_turbulence(settings, keys)
+    type(gas_settings_t), intent(inout) :: settings
+    type(keys_t), intent(inout) :: keys
+
+    call keys%get('turbulence_model', settings%turbulence_model, 'viscosity of eddies smaller than the cells, added to that '// &
+                  'of the gas: none, or rho (smagorinsky_constant Delta)^2 |S| with Delta^3 the volume of a cell and S the '// &
+                  'rate of strain (MFIX: TURBULENCE_MODEL; OpenFOAM: LESModel Smagorinsky)', 'none | smagorinsky')
+    call keys%get('smagorinsky_constant', settings%smagorinsky_constant, 'C_s of the model smagorinsky; 0.17 for isotropic '// &
+                  'turbulence (Lilly 1967; OpenFOAM: Ck 0.094 and Ce 1.048 make 0.168), 0.1 in shear flow between walls '// &
+                  '(Deardorff 1970) [-]', '(0, 1]')
+    call keys%require(settings%turbulence_model == 'smagorinsky' .or. .not. keys%given('smagorinsky_constant'), &
+                      'smagorinsky_constant', "belongs to turbulence_model = 'smagorinsky'")
+  end subroutine declare_turbulence
 
   !> The same everywhere, or that of an ideal gas.
   subroutine declare_density(settings, keys)

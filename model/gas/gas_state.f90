@@ -23,7 +23,7 @@ module gas_state
   use pressure_solver, only: pressure_solver_t
   implicit none
   private
-  public :: gas_state_t, gas_report_t, wall_t, spacing_t, create_state, find_density, unit_step
+  public :: gas_state_t, gas_report_t, wall_t, spacing_t, create_state, find_density, unit_step, viscous_eps
 
   !> What the last step did. Mass flows are means over the step, over all ranks.
   type :: gas_report_t
@@ -80,6 +80,12 @@ module gas_state
     logical, allocatable :: by_mass(:)        !< (0:records) whether the mass flow of a &boundary is given
   end type ideal_gas_t
 
+  !> Eddies smaller than the cells: see eddy_viscosity.
+  type :: eddies_t
+    real(wp) :: constant                 !< C_s [-]
+    real(wp), allocatable :: eps(:,:,:)  !< of cells, eps (1 + mu_t/mu): stands for eps in the viscous stress [-]
+  end type eddies_t
+
   type :: gas_state_t
     type(boxes_t) :: boxes
     type(mesh_t) :: mesh
@@ -90,6 +96,7 @@ module gas_state
     type(gas_report_t) :: report
     type(driving_t) :: driving
     type(ideal_gas_t), allocatable :: ideal         !< exists if the density varies
+    type(eddies_t), allocatable :: eddies           !< exists if those smaller than the cells are modelled
     real(wp) :: time = 0.0_wp                       !< at the start of the step; its owner sets it where inflows change [s]
     real(wp) :: density                             !< of an ideal gas at the pressure of &gas [kg/m3]
     real(wp) :: viscosity                           !< dynamic [Pa s]
@@ -301,6 +308,19 @@ contains
 
     state%ideal%density = state%ideal%compressibility*(state%ideal%reference + state%pressure)
   end subroutine find_density
+
+  !> The void fraction of a cell as the viscous stress has it, times viscosity with eddies over that without [-].
+  pure function viscous_eps(state, i, j, k) result(eps)
+    class(gas_state_t), intent(in) :: state
+    integer, intent(in) :: i, j, k
+    real(wp) :: eps
+
+    if (allocated(state%eddies)) then
+      eps = state%eddies%eps(i, j, k)
+    else
+      eps = state%eps(i, j, k)
+    end if
+  end function viscous_eps
 
   pure function unit_step(a) result(e)
     integer, intent(in) :: a

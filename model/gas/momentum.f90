@@ -5,49 +5,20 @@
 !>
 !> which is the conservative equation less u times the continuity equation: the diagonal is never smaller than the
 !> sum of the neighbours. Convection is upwind in the matrix, the limiter's addition in the right-hand side.
-!> The viscous stress is eps mu grad u (Laplacian form). Drag B u - S comes from the cells on both sides of a face.
+!> The viscous stress is eps mu grad u (Laplacian form); what eddies add to it stands in eddy_viscosity. Drag B u - S comes from
+!> the cells on both sides of a face.
 module momentum
+  use eddy_viscosity, only: add_turned
   use gas_density, only: add_inertia, add_weight
   use gas_state, only: gas_state_t, wall_t, unit_step
   use kinds, only: wp
-  use momentum_cells, only: sweep_t, new_sweep, find_crossing, wall_conductance, wall_push
+  use momentum_cells, only: sweep_t, new_sweep, find_crossing, bend_at, wall_conductance, wall_push
   use narrow_momentum, only: add_walls, tilt_rows
   implicit none
   private
   public :: prepare_momentum, assemble_momentum, drive
 
 contains
-
-  !> Friction on a wall of velocity U from a parabola through the wall and the next two unknowns, at y_1 and y_2,
-  !>   du/dy = ((u_1 - U) y_2/y_1 - (u_2 - U) y_1/y_2)/(y_2 - y_1),
-  !> written as (own (u_1 - U) - next (u_2 - u_1))/h_1: on a uniform grid own = 8/3, next = 1/3. It makes the flow between
-  !> plates exact, where a straight line to the wall leaves an error of dp/dx h^2/(8 mu).
-  pure subroutine bend(width, next_width, own, next)
-    real(wp), intent(in) :: width, next_width  !< of the two cells at the wall [m]
-    real(wp), intent(out) :: own, next
-
-    real(wp) :: first, second
-
-    first = 0.5_wp
-    second = 1.0_wp + 0.5_wp*next_width/width
-    next = first/(second*(second - first))
-    own = second/(first*(second - first)) - next
-  end subroutine bend
-
-  !> The same for the wall at one end of direction b; a straight line where the domain is one cell wide.
-  pure subroutine bend_at(state, b, end, own, next)
-    class(gas_state_t), intent(in) :: state
-    integer, intent(in) :: b, end
-    real(wp), intent(out) :: own, next
-
-    own = 2.0_wp
-    next = 0.0_wp
-    if (state%mesh%n(b) == 1) return
-    associate (width => state%mesh%axis(b)%width, n => state%mesh%n(b))
-      if (end == 1) call bend(width(1), width(2), own, next)
-      if (end == 2) call bend(width(n), width(n - 1), own, next)
-    end associate
-  end subroutine bend_at
 
   !> What stays the same over the iterations of a step: diagonals, sources and mobilities.
   subroutine prepare_momentum(state, dt)
@@ -62,6 +33,7 @@ contains
       call add_friction(state, a)
       if (allocated(state%space)) call add_walls(state, a)
       if (allocated(state%ideal)) call add_inertia(state, a)
+      if (allocated(state%eddies)) call add_turned(state, a)
       call set_mobility(state, a)
     end do
   end subroutine prepare_momentum

@@ -10,7 +10,7 @@
 !> friction would be of first order.
 !> Weight acts on the open area times the distance of the pressures beside it, so that a gas at rest stays so.
 module narrow_momentum
-  use gas_state, only: gas_state_t, unit_step
+  use gas_state, only: gas_state_t, unit_step, viscous_eps
   use kinds, only: wp
   use open_space, only: tilt_t
   implicit none
@@ -40,8 +40,8 @@ contains
             m = dot_product(e, [i, j, k])
             excess = [space%upper(i, j, k, a) - 0.5_wp, 0.5_wp - space%upper(x, y, z, a)]
             friction = state%viscosity*space%nearness(i, j, k, a) &
-              *(space%upper(i, j, k, a)*eps(i, j, k)*space%wall(i, j, k) &
-                + (1 - space%upper(x, y, z, a))*eps(x, y, z)*space%wall(x, y, z))
+              *(space%upper(i, j, k, a)*viscous_eps(state, i, j, k)*space%wall(i, j, k) &
+                + (1 - space%upper(x, y, z, a))*viscous_eps(state, x, y, z)*space%wall(x, y, z))
             reach = 0.5_wp*(merge(width(m), 0.0_wp, eps(i, j, k) > 0.0_wp) + merge(width(m + 1), 0.0_wp, eps(x, y, z) > 0.0_wp))
             weight = state%passage(i, j, k, a)*reach &
               - 0.5_wp*(state%volume(i, j, k)*eps(i, j, k) + state%volume(x, y, z)*eps(x, y, z))
@@ -89,17 +89,18 @@ contains
     type(tilt_t), intent(in) :: tilt
     real(wp) :: ease
 
-    integer :: x(3), s(3), e(3), along
+    integer :: x(3), y(3), s(3), e(3), along
 
     x = tilt%face
     e = unit_step(tilt%a)
     s = unit_step(tilt%b)
+    y = x + s
     along = 6 - tilt%a - tilt%b
-    associate (eps => state%eps, spacing => state%spacing)
+    associate (spacing => state%spacing)
       ease = 0.25_wp*state%viscosity*state%space%bridge(x(1), x(2), x(3), tilt%b, tilt%a) &
         *spacing(along)%width(x(along))*spacing(tilt%a)%gap(x(tilt%a))/spacing(tilt%b)%gap(x(tilt%b)) &
-        *(eps(x(1), x(2), x(3)) + eps(x(1) + e(1), x(2) + e(2), x(3) + e(3)) + eps(x(1) + s(1), x(2) + s(2), x(3) + s(3)) &
-          + eps(x(1) + e(1) + s(1), x(2) + e(2) + s(2), x(3) + e(3) + s(3)))
+        *(viscous_eps(state, x(1), x(2), x(3)) + viscous_eps(state, x(1) + e(1), x(2) + e(2), x(3) + e(3)) &
+          + viscous_eps(state, y(1), y(2), y(3)) + viscous_eps(state, y(1) + e(1), y(2) + e(2), y(3) + e(3)))
     end associate
   end function ease
 

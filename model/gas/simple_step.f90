@@ -6,6 +6,7 @@
 module simple_step
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use driving, only: find_responses, keep_flow
+  use eddy_viscosity, only: find_eddies
   use gas_boundary, only: set_inflow
   use gas_density, only: begin_density, follow_pressure, heed_round_off, pressed_flow
   use gas_state, only: gas_state_t, gas_report_t, find_density, unit_step
@@ -75,9 +76,10 @@ contains
     call state%halo%exchange_many(state%forces)
     call prepare_faces(state, dt)
     if (allocated(state%ideal)) call begin_density(state, dt)
+    call state%halo%exchange_many(state%velocity)
+    if (allocated(state%eddies)) call find_eddies(state)
     call prepare_momentum(state, dt)
     call prepare_pressure(state)
-    call state%halo%exchange_many(state%velocity)
     call fill_beyond(state)
     call update_flux(state)
     call find_responses(state)
