@@ -103,7 +103,34 @@ contains
         end do
       end do
     end do
+    if (allocated(state%space)) call shear_at_walls(state, rate)
   end subroutine find_rate
+
+  !> In cells with walls |S| is the shear u/y of the flows through their faces, y their distances from the wall.
+  pure subroutine shear_at_walls(state, rate)
+    class(gas_state_t), intent(in) :: state
+    real(wp), intent(inout), contiguous :: rate(:,:,:)
+
+    integer :: a, i, j, k, e(3)
+    real(wp) :: shear(2)
+
+    associate (n => state%boxes%n, space => state%space, u => state%velocity)
+      where (space%wall(1:n(1), 1:n(2), 1:n(3)) > 0.0_wp) rate = 0.0_wp
+      do a = 1, 3
+        e = unit_step(a)
+        do k = 1, n(3)
+          do j = 1, n(2)
+            do i = 1, n(1)
+              if (.not. space%wall(i, j, k) > 0.0_wp) cycle
+              shear = [u(i - e(1), j - e(2), k - e(3), a)*space%nearness(i - e(1), j - e(2), k - e(3), a), &
+                       u(i, j, k, a)*space%nearness(i, j, k, a)]
+              rate(i, j, k) = rate(i, j, k) + (1 - space%upper(i, j, k, a))*shear(1)**2 + space%upper(i, j, k, a)*shear(2)**2
+            end do
+          end do
+        end do
+      end do
+    end associate
+  end subroutine shear_at_walls
 
   !> d_a u_a of a cell, all three [1/s].
   pure function stretching(state, x) result(d)
@@ -147,14 +174,17 @@ contains
     end do
   end subroutine find_slopes
 
-  !> The slopes next to walls within the domain: where one of the two faces is closed the wall is beside the other.
+  !> The slopes next to walls within the domain: over the distance of the middles of the two flows, or, where one of the faces is
+  !> closed, from the wall to the other.
   pure subroutine heed_walls(state, a, b, lo, slope)
     class(gas_state_t), intent(in) :: state
     integer, intent(in) :: a, b, lo(3)
     real(wp), intent(inout), contiguous :: slope(0:, 0:, 0:)
 
-    integer :: i, j, k, s(3), x, y, z
+    integer :: i, j, k, e(3), s(3), x, y, z
+    real(wp) :: part
 
+    e = unit_step(a)
     s = unit_step(b)
     associate (n => state%boxes%n, space => state%space, u => state%velocity)
       do k = lo(3), n(3)
@@ -163,8 +193,12 @@ contains
           y = j + s(2)
           do i = lo(1), n(1)
             x = i + s(1)
-            if ((space%area(i, j, k, a) > 0.0_wp) .eqv. (space%area(x, y, z, a) > 0.0_wp)) cycle
-            slope(i, j, k) = space%nearness(x, y, z, a)*u(x, y, z, a) - space%nearness(i, j, k, a)*u(i, j, k, a)
+            if ((space%area(i, j, k, a) > 0.0_wp) .neqv. (space%area(x, y, z, a) > 0.0_wp)) then
+              slope(i, j, k) = space%nearness(x, y, z, a)*u(x, y, z, a) - space%nearness(i, j, k, a)*u(i, j, k, a)
+            else
+              part = 0.5_wp*(space%area(i, j, k, b) + space%area(i + e(1), j + e(2), k + e(3), b))
+              if (part > 0.0_wp) slope(i, j, k) = slope(i, j, k)*space%bridge(i, j, k, b, a)/part
+            end if
           end do
         end do
       end do

@@ -54,8 +54,8 @@ contains
     type(keys_t), intent(inout) :: keys
 
     call keys%get('turbulence_model', settings%turbulence_model, 'viscosity of eddies smaller than the cells, added to that '// &
-                  'of the gas: none, or rho (smagorinsky_constant Delta)^2 |S| with Delta^3 the volume of a cell and S the '// &
-                  'rate of strain (MFIX: TURBULENCE_MODEL; OpenFOAM: LESModel Smagorinsky)', 'none | smagorinsky')
+                  'of the gas: none, or Smagorinsky''s, rho (C_s Delta)^2 sqrt(2 S:S), with Delta^3 the volume of a cell and S '// &
+                  'the rate of strain (MFIX: TURBULENCE_MODEL; OpenFOAM: LESModel Smagorinsky)', 'none | smagorinsky')
     call keys%get('smagorinsky_constant', settings%smagorinsky_constant, 'C_s of the model smagorinsky; 0.17 for isotropic '// &
                   'turbulence (Lilly 1967; OpenFOAM: Ck 0.094 and Ce 1.048 make 0.168), 0.1 in shear flow between walls '// &
                   '(Deardorff 1970) [-]', '(0, 1]')

@@ -215,8 +215,6 @@ contains
 
     scale = state%viscosity/state%density
     associate (n => state%boxes%n, p => state%correction)
-      if (allocated(state%eddies)) state%imbalance = state%imbalance*state%eddies%eps(1:n(1), 1:n(2), 1:n(3)) &
-        /state%eps(1:n(1), 1:n(2), 1:n(3))
       do k = 1, n(3)
         do j = 1, n(2)
           do i = 1, n(1)

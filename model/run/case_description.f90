@@ -48,6 +48,8 @@ contains
     end if
     associate (domain => case%domain, step => case%gas_numerics%time_step)
       call line(unit, 'gas', density_words(case%gas)//', '//shown(case%gas%viscosity)//' Pa s')
+      if (case%gas%turbulence_model == 'smagorinsky') call line(unit, '', "eddies smaller than a cell by Smagorinsky's "// &
+                                                                'viscosity, C_s = '//shown(case%gas%smagorinsky_constant))
       call line(unit, 'grid', by(real(domain%cells, wp))//' = '//shown(product(domain%cells))//' cells of ' &
                 //by(domain%axis%finest)//' m')
       if (.not. all(domain%axis%uniform)) call line(unit, '', 'up to '//by(domain%axis%coarsest)//' m')

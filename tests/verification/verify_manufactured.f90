@@ -20,6 +20,8 @@ program verify_manufactured
   call orders('flat_graded', flow_t(flat=.true.), 'central', 16, 0.3_wp)
   call orders('flat_van_leer', flow_t(flat=.true.), 'van_leer', 16, 0.0_wp)
   call orders('solid', flow_t(flat=.false.), 'central', 8, 0.0_wp)
+  call orders('flat_eddies', flow_t(flat=.true., mixing=0.1_wp), 'central', 16, 0.0_wp)
+  call orders('solid_eddies', flow_t(flat=.false., mixing=0.1_wp), 'central', 6, 0.0_wp)
   call time_order()
   call finish()
   call stop_ranks()
@@ -96,6 +98,10 @@ contains
     scene%numerics%tolerance = 1.0e-8_wp
     scene%numerics%velocity_tolerance = 1.0e-8_wp
     scene%numerics%maximum_iterations = 200
+    if (flow%mixing > 0.0_wp) then
+      scene%settings%turbulence_model = 'smagorinsky'
+      scene%settings%smagorinsky_constant = flow%mixing/product(1.0_wp/scene%cells)**(1.0_wp/3.0_wp)
+    end if
     allocate (scene%records(0))
     call make_gas(comm, scene, gas, outcome)
     call start(flow, gas)
@@ -136,7 +142,7 @@ contains
     real(wp), intent(in) :: time  !< [s]
     type(gas_t), intent(inout) :: gas
 
-    integer :: i, j, k, a
+    integer :: i, j, k
     real(wp) :: x(4)
 
     do k = 1, gas%boxes%n(3)
@@ -145,9 +151,7 @@ contains
           x = place(gas, [i, j, k], time)
           gas%eps(i, j, k) = flow%field(void, x)
           gas%drag(i, j, k) = gas%volume(i, j, k)*flow%drag(x)
-          do a = 1, 3
-            gas%drag_source(a, i, j, k) = gas%volume(i, j, k)*flow%source(a, x)
-          end do
+          gas%drag_source(:, i, j, k) = gas%volume(i, j, k)*flow%source(x)
         end do
       end do
     end do
