@@ -153,6 +153,7 @@ contains
     real(wp), intent(out), contiguous :: slope(0:, 0:, 0:)  !< (0:n1,0:n2,0:n3)
 
     integer :: end, i, j, k, lo(3), s(3)
+    real(wp) :: distance(0:state%boxes%n(1))
 
     slope = 0.0_wp
     if (.not. state%stencil(a)%active) return
@@ -160,10 +161,12 @@ contains
     lo = 1
     lo([a, b]) = 0
     associate (n => state%boxes%n, u => state%velocity, gap => state%spacing(b)%gap)
+      if (b == 1) distance = gap(0:n(1))
       do k = lo(3), n(3)
         do j = lo(2), n(2)
+          if (b > 1) distance = gap(merge(j, k, b == 2))
           do i = lo(1), n(1)
-            slope(i, j, k) = (u(i + s(1), j + s(2), k + s(3), a) - u(i, j, k, a))/gap(dot_product(s, [i, j, k]))
+            slope(i, j, k) = (u(i + s(1), j + s(2), k + s(3), a) - u(i, j, k, a))/distance(i)
           end do
         end do
       end do
@@ -271,7 +274,7 @@ contains
     real(wp), intent(inout), contiguous :: flow(-1:, -1:, -1:)
 
     integer :: i, j, k, e(3), hi(3), x, y, z
-    real(wp) :: d(3), area
+    real(wp) :: d(3)
 
     e = unit_step(a)
     hi = state%boxes%n
@@ -282,10 +285,8 @@ contains
         do i = 1 - e(1), hi(1)
           x = i + e(1)
           d = stretching(state, [x, y, z])
-          area = state%spacing(1)%width(x)*state%spacing(2)%width(y)*state%spacing(3)%width(z) &
-            /state%spacing(a)%width(dot_product(e, [x, y, z]))
-          if (allocated(state%space)) area = area*state%space%volume(x, y, z)
-          flow(i, j, k) = mu(x, y, z)*area*(d(a) - sum(d)/1.5_wp)
+          flow(i, j, k) = mu(x, y, z)*state%volume(x, y, z)/state%spacing(a)%width(dot_product(e, [x, y, z])) &
+            *(d(a) - (d(1) + d(2) + d(3))/1.5_wp)
         end do
       end do
     end do
@@ -299,27 +300,24 @@ contains
     real(wp), intent(in), contiguous :: mu(-1:, -1:, -1:)  !< eps mu_t of cells [Pa s]
     real(wp), intent(inout), contiguous :: flow(-1:, -1:, -1:)
 
-    real(wp), allocatable :: slope(:,:,:)
-    integer :: i, j, k, e(3), s(3), d(3), lo(3), m
-    real(wp) :: part, length
+    real(wp), allocatable :: slope(:,:,:), along_x(:), along_y(:), along_z(:)
+    integer :: i, j, k, e(3), s(3), lo(3)
 
     e = unit_step(a)
     s = unit_step(b)
-    d = unit_step(6 - a - b)
     lo = 1
     lo([a, b]) = 0
-    associate (n => state%boxes%n, side => state%boundary%side(:, b), spacing => state%spacing)
+    associate (n => state%boxes%n)
       allocate (slope(0:n(1), 0:n(2), 0:n(3)))
+      allocate (along_x(0:n(1)), source=edge_shape(state, a, b, 1))
+      allocate (along_y(0:n(2)), source=edge_shape(state, a, b, 2))
+      allocate (along_z(0:n(3)), source=edge_shape(state, a, b, 3))
       call find_slopes(state, b, a, slope)
+      if (allocated(state%space)) call narrow(state, a, b, lo, slope)
       do k = lo(3), n(3)
         do j = lo(2), n(2)
           do i = lo(1), n(1)
-            m = dot_product(s, [i, j, k])
-            part = merge(0.5_wp, 0.25_wp, any(side%mine .and. m == [0, n(b)]))
-            if (allocated(state%space)) part = part*0.5_wp*(state%space%area(i, j, k, b) &
-                                                            + state%space%area(i + e(1), j + e(2), k + e(3), b))
-            length = spacing(6 - a - b)%width(dot_product(d, [i, j, k]))
-            flow(i, j, k) = part*length*spacing(a)%gap(dot_product(e, [i, j, k]))*slope(i, j, k) &
+            flow(i, j, k) = along_x(i)*along_y(j)*along_z(k)*slope(i, j, k) &
               *(mu(i, j, k) + mu(i + e(1), j + e(2), k + e(3)) + mu(i + s(1), j + s(2), k + s(3)) &
                 + mu(i + e(1) + s(1), j + e(2) + s(2), k + e(3) + s(3)))
           end do
@@ -327,6 +325,47 @@ contains
       end do
     end associate
   end subroutine cross_edges
+
+  !> What the grid along one direction contributes to the area of the faces across b of the momentum cells of component a, over
+  !> the number of cells that meet there; the product of the three is A/4 or, on the surface, A/2.
+  pure function edge_shape(state, a, b, direction) result(factor)
+    class(gas_state_t), intent(in) :: state
+    integer, intent(in) :: a, b, direction
+    real(wp) :: factor(0:state%boxes%n(direction))
+
+    integer :: n
+
+    n = state%boxes%n(direction)
+    if (direction == a) then
+      factor = state%spacing(a)%gap(0:n)
+    else if (direction == b) then
+      factor = 0.25_wp
+      if (state%boundary%side(1, b)%mine) factor(0) = 0.5_wp
+      if (state%boundary%side(2, b)%mine) factor(n) = 0.5_wp
+    else
+      factor = state%spacing(direction)%width(0:n)
+    end if
+  end function edge_shape
+
+  !> Slopes times the open part of the faces that they act on.
+  pure subroutine narrow(state, a, b, lo, slope)
+    class(gas_state_t), intent(in) :: state
+    integer, intent(in) :: a, b, lo(3)
+    real(wp), intent(inout), contiguous :: slope(0:, 0:, 0:)
+
+    integer :: i, j, k, e(3)
+
+    e = unit_step(a)
+    associate (n => state%boxes%n, area => state%space%area)
+      do k = lo(3), n(3)
+        do j = lo(2), n(2)
+          do i = lo(1), n(1)
+            slope(i, j, k) = slope(i, j, k)*0.5_wp*(area(i, j, k, b) + area(i + e(1), j + e(2), k + e(3), b))
+          end do
+        end do
+      end do
+    end associate
+  end subroutine narrow
 
   !> What comes down from above a face and leaves it below.
   pure subroutine gain(state, a, b, flow)
