@@ -17,7 +17,7 @@ module gas_settings
     real(wp) :: reference_pressure = unset  !< ideal: absolute pressure from which all others are counted [Pa]
     real(wp) :: viscosity = 1.8e-5_wp    !< dynamic [Pa s]
     character(len=word_length) :: turbulence_model = 'none'  !< 'none' | 'smagorinsky'
-    real(wp) :: smagorinsky_constant = 0.17_wp  !< C_s [-]
+    real(wp) :: smagorinsky_constant = 0.17_wp  !< C_s, with 'smagorinsky' [-]
     real(wp) :: velocity(3) = 0.0_wp     !< at the start, in the voids [m/s]
     real(wp) :: pressure = 0.0_wp        !< at the start, and that of outflows which name none [Pa]
     real(wp) :: pressure_drop(3) = 0.0_wp  !< along periodic directions, over the domain [Pa]
@@ -56,9 +56,10 @@ contains
     call keys%get('turbulence_model', settings%turbulence_model, 'viscosity of eddies smaller than the cells, added to that '// &
                   'of the gas: none, or Smagorinsky''s, rho (C_s Delta)^2 sqrt(2 S:S), with Delta^3 the volume of a cell and S '// &
                   'the rate of strain (MFIX: TURBULENCE_MODEL; OpenFOAM: LESModel Smagorinsky)', 'none | smagorinsky')
-    call keys%get('smagorinsky_constant', settings%smagorinsky_constant, 'C_s of the model smagorinsky; 0.17 for isotropic '// &
-                  'turbulence (Lilly 1967; OpenFOAM: Ck 0.094 and Ce 1.048 make 0.168), 0.1 in shear flow between walls '// &
-                  '(Deardorff 1970) [-]', '(0, 1]')
+    if (settings%turbulence_model /= 'smagorinsky') settings%smagorinsky_constant = unset
+    call keys%get('smagorinsky_constant', settings%smagorinsky_constant, 'C_s of smagorinsky, 0.17 if not given, that of '// &
+                  'isotropic turbulence (Lilly 1967; OpenFOAM: Ck 0.094 and Ce 1.048 make 0.168); 0.1 in shear flow between '// &
+                  'walls (Deardorff 1970) [-]', '(0, 1]')
     call keys%require(settings%turbulence_model == 'smagorinsky' .or. .not. keys%given('smagorinsky_constant'), &
                       'smagorinsky_constant', "belongs to turbulence_model = 'smagorinsky'")
   end subroutine declare_turbulence

@@ -83,6 +83,10 @@ contains
     call expect_close(ideal%gas%density, 1.0e5_wp*0.029_wp/(8.31446261815324_wp*300), 1.0e-14_wp, 'its density')
     call read(ideal%text, none, scene, problems)
     call expect(problems%count() == 0, 'and so is its resolved case')
+    call read(bed, [character(len=256) :: 'gas%turbulence_model=smagorinsky'], again, problems)
+    call expect_close(again%gas%smagorinsky_constant, 0.17_wp, 0.0_wp, 'a constant of eddies that is not given')
+    call read(again%text, none, scene, problems)
+    call expect(problems%count() == 0, 'a resolved case with eddies is good')
     call expect_close(again%contact%tangential_ratio, 2.0_wp/7.0_wp, 0.0_wp, 'to the last bit')
     call expect_close(again%gas_numerics%tolerance, 0.01234567890123456_wp, 0.0_wp, 'with all digits')
   end subroutine test_resolved
