@@ -12,6 +12,7 @@ program test_eddy_stress
   use manufactured, only: flow_t, rho, mu, void
   use momentum, only: assemble_momentum
   use outcome, only: outcome_t
+  use wall_settings, only: wall_settings_t
   implicit none
 
   real(wp), parameter :: o = 0.0_wp, constant = 0.17_wp
@@ -25,6 +26,7 @@ program test_eddy_stress
   call motion(.true., 'turns as a body')
   call motion(.false., 'swells evenly')
   call uniform()
+  call cut_cells()
   if (comm%is_root()) call finish()
   call stop_ranks()
 
@@ -393,5 +395,50 @@ contains
     x = gas%boxes%lo + cell - 1
     psi = sin(1.1_wp*x(1) + 0.6_wp*c)*cos(0.8_wp*x(2) - 0.4_wp*c)*sin(0.9_wp*x(3) + c)
   end function stream
+
+  !> In cells of which a plane leaves 40 % the stress besides the Laplacian acts on 40 % of faces.
+  subroutine cut_cells()
+    type(scene_t) :: scene
+    type(wall_settings_t) :: wall
+    type(gas_t) :: gas
+    type(outcome_t) :: outcome
+    real(wp) :: force(2), x(4)
+    integer :: i, j, k
+
+    wall%kind = 'plane'
+    wall%gas_side = 'inside'
+    wall%rotation_centre = o
+    wall%normal = [o, o, 1.0_wp]
+    wall%point = [o, o, 0.06_wp]
+    scene%cells = [6, 6, 4]
+    scene%upper = 0.1_wp*scene%cells
+    scene%periodic = [.true., .true., .false.]
+    scene%settings%turbulence_model = 'smagorinsky'
+    allocate (scene%records(0))
+    scene%walls = [wall]
+    call make_gas(comm, scene, gas, outcome)
+    do j = -1, gas%boxes%n(2) + 2
+      do i = -1, gas%boxes%n(1) + 2
+        x = place(gas, [i, j, 1], 2)
+        gas%velocity(i, j, :, 2) = x(1)
+        gas%eddies%eps(i, j, :) = gas%eps(i, j, :)*(50 + 100*x(2))
+      end do
+    end do
+    gas%source = o
+    call add_turned(gas, 1)
+    force = o
+    do k = 1, gas%boxes%n(3)
+      associate (largest => maxval(abs(gas%source(1:gas%boxes%n(1), 1:gas%boxes%n(2), k, 1))))
+        if (gas%boxes%lo(3) + k - 1 == 1) force(1) = largest
+        if (gas%boxes%lo(3) + k - 1 == 2) force(2) = largest
+      end associate
+    end do
+    force = [comm%max(force(1)), comm%max(force(2))]
+    x(1) = gas%viscosity*10*0.1_wp**2  ! mu_t grows by 10 mu from cell to cell
+    call gas%destroy()
+    if (.not. comm%is_root()) return
+    call expect_close(force(2), x(1), 1.0e-10_wp, 'stress in whole cells [N]')
+    call expect_close(force(1), 0.4_wp*x(1), 1.0e-8_wp, 'stress in cells of which 40 % are open [N]')
+  end subroutine cut_cells
 
 end program test_eddy_stress
