@@ -112,6 +112,18 @@ def test_rolling_restarts(geldart, tmp_path):
     assert "the restart file is of a run with a rolling spring, or this case is" in done.stderr
 
 
+def test_eddies_restart(geldart, tmp_path):
+    """So does a gas with eddies smaller than the cells, of which nothing is saved; they make a difference."""
+    eddies = ("gas%turbulence_model=smagorinsky", "gas%smagorinsky_constant=0.3")
+    run(geldart, "whole", until(0.01), *eddies, ranks=2)
+    run(geldart, "parts", until(0.005), *eddies, ranks=2)
+    run(geldart, "parts", until(0.01), *eddies, restart="parts/restart.h5", ranks=2)
+    same_results(tmp_path / "whole", tmp_path / "parts")
+    run(geldart, "without", until(0.01), ranks=2)
+    with_eddies, without = (state(tmp_path / name / "restart.h5")["gas_velocity_2"] for name in ("whole", "without"))
+    assert np.abs(with_eddies - without).max() > 1e-3 * np.abs(without).max()
+
+
 def test_driven_gas_restarts(geldart, tmp_path):
     """So does the pressure drop that keeps a flow, which then carries the suspension; and an inflow that changes."""
     suspension = ROOT / "tests/runs/suspension.nml"
