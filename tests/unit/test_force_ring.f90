@@ -20,6 +20,7 @@ program test_force_ring
   call windows()
   contact%stiffness = 200.0_wp
   call in_turn(contact, 1.0_wp, 'frictionless')
+  call in_turn(contact, 0.02_wp, 'tight, far between', apart=300)
   contact%friction = 0.3_wp
   call in_turn(contact, 1.0_wp, 'selected')
   call in_turn(contact, 0.02_wp, 'tight')
@@ -56,10 +57,11 @@ contains
     call expect(columns_at_once(row(2:), partner(2:), 3001, 1) == 3001 - s, 'own parcels do')
   end subroutine windows
 
-  subroutine in_turn(contact, share, name)
+  subroutine in_turn(contact, share, name, apart)
     type(contact_settings_t), intent(in) :: contact
     real(wp), intent(in) :: share  !< of the longest step
     character(len=*), intent(in) :: name
+    integer, intent(in), optional :: apart  !< one parcel of so many has a near one
 
     integer, parameter :: steps = 30
     type(solids_t) :: balls
@@ -67,11 +69,11 @@ contains
     logical :: as_meant
     real(wp) :: off
 
-    balls = shaft(contact)
+    balls = shaft(contact, apart)
     call run(balls, steps, share*balls%time_step_limit())
     as_meant = balls%parcels%ring < balls%parcels%n .and. (balls%pairs%tight .eqv. share < 0.5_wp)
     allocate (one, source=balls%parcels%state(:, :balls%parcels%n))
-    balls = shaft(contact)
+    balls = shaft(contact, apart)
     call balls%parcels%make_ring(balls%parcels%n)
     call run(balls, steps, share*balls%time_step_limit())
     as_meant = as_meant .and. balls%parcels%ring >= balls%parcels%n
@@ -83,15 +85,23 @@ contains
     call expect(.not. off > 0.0_wp, 'they move alike: '//name)
   end subroutine in_turn
 
-  !> A dense cloud in a tall shaft that is periodic upwards.
-  function shaft(contact) result(balls)
+  !> A dense cloud in a tall shaft that is periodic upwards; or one that is thin but for some pairs.
+  function shaft(contact, apart) result(balls)
     type(contact_settings_t), intent(in) :: contact
+    integer, intent(in), optional :: apart
     type(solids_t) :: balls
 
-    real(wp), parameter :: pitch = 1.15e-3_wp
     real(wp), allocatable :: x(:,:), v(:,:), diameter(:)
+    real(wp) :: pitch
+    integer :: i
 
+    pitch = merge(2.5e-3_wp, 1.15e-3_wp, present(apart))
     call cloud(n, [0.0_wp, 0.0_wp, 0.0_wp], pitch, side, x, v, diameter)
+    if (present(apart)) then
+      do i = 2, n, apart
+        x(:, i) = x(:, i - 1) + [0.499_wp*sum(diameter(i - 1:i)), 0.0_wp, 0.0_wp]
+      end do
+    end if
     balls = scene(comm, pitch*[side(1), side(2), layers], 0.0_wp, contact, periodic=[.false., .false., .true.])
     call put(balls, x, v, diameter)
   end function shaft
