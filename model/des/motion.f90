@@ -117,7 +117,8 @@ contains
     end associate
   end subroutine kick_and_drift
 
-  !> The loop itself, all that has a velocity at once; column 1 + (i-1)*stride of `drive` belongs to parcel i.
+  !> The loop itself, all that has a velocity at once: W3 is some 3 % faster than with four rows at a time, which would be one loop
+  !> with `move_smooth`. Column 1 + (i-1)*stride of `drive` belongs to parcel i.
   pure subroutine move_spinning(columns, drive, stride, times, ring, state, aside, force, fastest, energy)
     integer, intent(in) :: columns(2), stride
     real(wp), intent(in) :: drive(coupled_rows, *)      !< 1:3 [m/s2]
