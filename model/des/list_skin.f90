@@ -12,6 +12,7 @@ module list_skin
   public :: widest_skin, fitting_skin, skin_within
 
   real(wp), parameter :: narrowest_skin = 0.4_wp, widest_skin = 0.8_wp  !< over the width of a parcel
+  real(wp), parameter :: least_skin = 0.1_wp     !< the same, where a period is too short for more
   real(wp), parameter :: usual_pairs = 6.0_wp    !< listed for a parcel of a bed
   real(wp), parameter :: fewest_pairs = 0.01_wp  !< that make a difference
 
@@ -38,7 +39,8 @@ contains
     real(wp) :: room
 
     room = minval((chamber%upper - chamber%lower)/least_period, mask=chamber%periodic) - range
-    within = max(min(skin, widest_skin*width, room), narrowest_skin*width)
+    within = max(min(skin, widest_skin*width), narrowest_skin*width)
+    within = max(min(within, room), least_skin*width)
   end function skin_within
 
 end module list_skin

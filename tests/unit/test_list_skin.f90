@@ -45,7 +45,9 @@ contains
     chamber%periodic(2) = .true.
     call expect_close(skin_within(chamber, d, d, 1.0_wp), 5.0e-3_wp/3 - d, 1.0e-15_wp, 'in a short period [m]')
     chamber%periodic(1) = .true.
-    call expect_close(skin_within(chamber, d, d, 1.0_wp), 0.4e-3_wp, 1.0e-15_wp, 'in one too short [m]')
+    call expect_close(skin_within(chamber, d, d, 0.0_wp), 4.0e-3_wp/3 - d, 1.0e-15_wp, 'narrower than that in a shorter one [m]')
+    chamber%upper(1) = 3.2e-3_wp
+    call expect_close(skin_within(chamber, d, d, 1.0_wp), 0.1e-3_wp, 1.0e-15_wp, 'in one too short [m]')
   end subroutine within
 
   !> The second lists, and those of a run that goes on from a restart.
