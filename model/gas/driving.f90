@@ -24,6 +24,7 @@ contains
     class(gas_state_t), intent(inout) :: state
 
     real(wp), allocatable :: velocity(:,:,:,:), pressure(:,:,:), storage(:,:,:)
+    real(wp) :: sums(2)
     integer :: b
 
     if (.not. any(state%driving%held)) return
@@ -31,7 +32,7 @@ contains
     allocate (pressure, source=state%pressure)
     allocate (storage, source=state%storage)
     state%storage = 0.0_wp
-    call assemble_momentum(state)
+    call assemble_momentum(state, sums)
     do b = 1, 3
       if (.not. state%driving%held(b)) cycle
       call find_response(state, b)

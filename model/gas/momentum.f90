@@ -12,11 +12,19 @@ module momentum
   use gas_density, only: add_inertia, add_weight
   use gas_state, only: gas_state_t, wall_t, unit_step
   use kinds, only: wp
-  use momentum_cells, only: sweep_t, new_sweep, find_crossing, bend_at, wall_conductance, wall_push
+  use momentum_cells, only: sweep_t, new_sweep, find_crossing, bend_at, rub
+  use momentum_solver, only: find_residual
   use narrow_momentum, only: add_walls, tilt_rows
   implicit none
   private
   public :: prepare_momentum, assemble_momentum, drive
+
+  !> The faces of one component next to a side of the domain; none unless it is mine.
+  type :: rim_t
+    integer :: b, end                  !< the side, across b
+    integer :: lo(3) = 1, hi(3) = 0
+    real(wp) :: next = 0.0_wp          !< see bend of momentum_cells
+  end type rim_t
 
 contains
 
@@ -78,8 +86,8 @@ contains
     class(gas_state_t), intent(inout) :: state
     integer, intent(in) :: a
 
-    integer :: b, end, i, j, k, lo(3), hi(3)
-    real(wp) :: share, next, wall
+    integer :: b, end, lo(3), hi(3)
+    real(wp) :: share, next
 
     do b = 1, 3
       if (b == a) cycle
@@ -88,21 +96,31 @@ contains
         call bend_at(state, b, end, share, next)
         call layer_along(state, a, b, end, lo, hi)
         call reserve(state%wall(end, b, a), lo, hi)
-        do k = lo(3), hi(3)
-          do j = lo(2), hi(2)
-            do i = lo(1), hi(1)
-              wall = state%free(i, j, k, a)*wall_conductance(state, a, b, end, [i, j, k])
-              state%wall(end, b, a)%conductance(i, j, k) = wall
-              state%fixed(i, j, k, a) = state%fixed(i, j, k, a) + share*wall
-              if (.not. allocated(state%boundary%side(end, b)%slide)) cycle
-              state%source(i, j, k, a) = state%source(i, j, k, a) &
-                + share*state%free(i, j, k, a)*wall_push(state, a, b, end, [i, j, k])
-            end do
-          end do
-        end do
+        call add_wall(state, a, b, end, lo, hi, share)
       end do
     end do
   end subroutine add_friction
+
+  !> That of one side.
+  subroutine add_wall(state, a, b, end, lo, hi, share)
+    class(gas_state_t), intent(inout) :: state
+    integer, intent(in) :: a, b, end, lo(3), hi(3)
+    real(wp), intent(in) :: share  !< `own` of bend_at
+
+    real(wp) :: friction(lo(1):hi(1), lo(2):hi(2), lo(3):hi(3))
+
+    associate (side => state%boundary%side(end, b), free => state%free(lo(1):hi(1), lo(2):hi(2), lo(3):hi(3), a), &
+               fixed => state%fixed(lo(1):hi(1), lo(2):hi(2), lo(3):hi(3), a), &
+               source => state%source(lo(1):hi(1), lo(2):hi(2), lo(3):hi(3), a))
+      call rub(state, a, b, end, lo, hi, lbound(side%grip), side%grip, friction)
+      friction = free*friction
+      state%wall(end, b, a)%conductance = friction
+      fixed = fixed + share*friction
+      if (.not. allocated(side%slide)) return
+      call rub(state, a, b, end, lo, hi, lbound(side%grip), side%grip*side%slide(:, :, :, a), friction)
+      source = source + share*free*friction
+    end associate
+  end subroutine add_wall
 
   !> Room for the conductances of one wall, made in the first step.
   pure subroutine reserve(wall, lo, hi)
@@ -143,44 +161,67 @@ contains
     end associate
   end subroutine set_mobility
 
-  !> Matrix and right-hand side of every component from the fluxes, velocities and pressures at hand.
-  subroutine assemble_momentum(state)
+  !> Matrix, right-hand side and residual of every component from the fluxes, velocities and pressures at hand.
+  subroutine assemble_momentum(state, sums)
     class(gas_state_t), intent(inout) :: state
+    real(wp), intent(out) :: sums(2)  !< over my rows: of |residual|, and of |diagonal times velocity| [N]
 
-    integer :: a, b
+    integer :: a
 
+    sums = 0.0_wp
     do a = 1, 3
       if (.not. state%stencil(a)%active) cycle
-      call assemble_rows(state, a)
-      if (allocated(state%ideal)) call add_weight(state, a)
-      if (abs(state%driving%drop(a)) > 0.0_wp) then
-        associate (s => state%stencil(a), length => state%mesh%upper(a) - state%mesh%lower(a))
-          call drive(s%lo, s%n, a, state%driving%drop(a)/length*state%spacing(a)%gap, state%passage(:, :, :, a), s%rhs)
-        end associate
-      end if
-      do b = 1, 3
-        call close_ends(state, a, b)
-      end do
-      if (allocated(state%space)) call tilt_rows(state, a)
-      call keep_given(state, a)
+      call start_forces(state, a)
+      call assemble_rows(state, a, sums)
+      if (.not. allocated(state%space)) cycle
+      call tilt_rows(state, a)
+      call finish_rows(state, a, sums)
     end do
   end subroutine assemble_momentum
 
-  !> All rows of one component, row of faces by row: what crosses the faces above a row (`above`) is still in the nearest
-  !> caches when it is wanted, and what crosses those below is kept from the row before and the plane before.
-  subroutine assemble_rows(state, a)
+  !> What pushes a component that may change within a step: the weight of a density that varies, and a pressure drop along a
+  !> periodic direction.
+  subroutine start_forces(state, a)
     class(gas_state_t), intent(inout) :: state
     integer, intent(in) :: a
 
+    if (.not. pushed(state, a)) return
+    state%stencil(a)%rhs = 0.0_wp
+    if (allocated(state%ideal)) call add_weight(state, a)
+    associate (s => state%stencil(a), length => state%mesh%upper(a) - state%mesh%lower(a))
+      call drive(s%lo, s%n, a, state%driving%drop(a)/length*state%spacing(a)%gap, state%passage(:, :, :, a), s%rhs)
+    end associate
+  end subroutine start_forces
+
+  pure function pushed(state, a)
+    class(gas_state_t), intent(in) :: state
+    integer, intent(in) :: a
+    logical :: pushed
+
+    pushed = allocated(state%ideal) .or. abs(state%driving%drop(a)) > 0.0_wp
+  end function pushed
+
+  !> All rows of one component, row of faces by row: what crosses the faces above a row (`above`) is still in the nearest
+  !> caches when it is wanted, what crosses those below is kept from the row before and the plane before, and a row is
+  !> finished while it is there.
+  subroutine assemble_rows(state, a, sums)
+    class(gas_state_t), intent(inout) :: state
+    integer, intent(in) :: a
+    real(wp), intent(inout) :: sums(2)
+
     type(sweep_t) :: sweep(3)
+    type(rim_t) :: rims(6)
     real(wp) :: above(-1:state%boxes%n(1), 3, 3)  !< (x, what, b)
     real(wp) :: row_below(-1:state%boxes%n(1), 3)
     real(wp) :: plane_below(-1:state%boxes%n(1), 3, state%first(2, a):state%boxes%n(2))
     integer :: b, j, k
+    logical :: more
 
     do b = 1, 3
       call new_sweep(state, a, b, sweep(b))
     end do
+    rims = rims_of(state, a)
+    more = pushed(state, a)
     associate (s => state%stencil(a), lo => state%stencil(a)%lo, n => state%boxes%n)
       do j = lo(2), n(2)
         call find_crossing(state, sweep(3), [j, lo(3) - 1], plane_below(:, :, j))
@@ -191,26 +232,30 @@ contains
           do b = 1, 3
             call find_crossing(state, sweep(b), [j, k], above(:, :, b))
           end do
-          call start_row(state, a, j, k)
+          call start_row(state, a, j, k, more)
           call gather(lo(1), n(1), above, row_below, plane_below(:, :, j), s%low(:, :, j, k), s%high(:, :, j, k), &
                       s%centre(:, j, k), s%rhs(:, j, k))
+          call close_row(state, a, j, k, rims)
+          if (.not. allocated(state%space)) call finish_row(state, a, j, k, rims, sums)
         end do
       end do
     end associate
   end subroutine assemble_rows
 
-  !> What a row has without its neighbours: rhs - a (p_above - p_below)
-  subroutine start_row(state, a, j, k)
+  !> What a row has without its neighbours: source - a (p_above - p_below), beside what stands on the right if there is `more`.
+  subroutine start_row(state, a, j, k, more)
     class(gas_state_t), intent(inout) :: state
     integer, intent(in) :: a, j, k
+    logical, intent(in) :: more
 
     integer :: e(3)
 
     e = unit_step(a)
     associate (lo => state%stencil(a)%lo(1), n => state%boxes%n(1), p => state%pressure)
-      state%stencil(a)%centre(:, j, k) = state%fixed(lo:n, j, k, a)
-      state%stencil(a)%rhs(:, j, k) = state%source(lo:n, j, k, a) &
+      if (.not. more) state%stencil(a)%rhs(:, j, k) = 0.0_wp
+      state%stencil(a)%rhs(:, j, k) = state%stencil(a)%rhs(:, j, k) + state%source(lo:n, j, k, a) &
         - state%passage(lo:n, j, k, a)*(p(lo + e(1):n + e(1), j + e(2), k + e(3)) - p(lo:n, j, k))
+      state%stencil(a)%centre(:, j, k) = state%fixed(lo:n, j, k, a)
     end associate
   end subroutine start_row
 
@@ -261,73 +306,125 @@ contains
     end do
   end subroutine drive
 
+  !> The sides of the domain that rows of component a touch, those across a last.
+  pure function rims_of(state, a) result(rims)
+    class(gas_state_t), intent(in) :: state
+    integer, intent(in) :: a
+    type(rim_t) :: rims(6)
+
+    integer :: m, b, end
+    real(wp) :: own
+
+    do m = 1, 6
+      b = modulo(a + (m - 1)/2, 3) + 1
+      end = modulo(m - 1, 2) + 1
+      rims(m)%b = b
+      rims(m)%end = end
+      if (.not. state%boundary%side(end, b)%mine) cycle
+      call layer_along(state, a, b, end, rims(m)%lo, rims(m)%hi)
+      if (state%mesh%n(b) > 1 .and. b /= a) call bend_at(state, b, end, own, rims(m)%next)
+    end do
+  end function rims_of
+
   !> On the surface of the domain there is no neighbour: what comes in brings no momentum along the face, and what
   !> comes back through an open face none at all, so its flux stays in the diagonal and damps.
-  subroutine close_ends(state, a, b)
+  subroutine close_row(state, a, j, k, rims)
     class(gas_state_t), intent(inout) :: state
-    integer, intent(in) :: a, b
+    integer, intent(in) :: a, j, k
+    type(rim_t), intent(in) :: rims(6)
 
-    integer :: end, lo(3), hi(3)
-    real(wp) :: own, next
+    integer :: m
 
-    associate (s => state%stencil(a))
-      do end = 1, 2
-        if (.not. state%boundary%side(end, b)%mine) cycle
-        call layer_along(state, a, b, end, lo, hi)
-        if (end == 1) s%low(lo(1):hi(1), b, lo(2):hi(2), lo(3):hi(3)) = 0.0_wp
-        if (end == 2) s%high(lo(1):hi(1), b, lo(2):hi(2), lo(3):hi(3)) = 0.0_wp
-        if (b == a .or. state%mesh%n(b) == 1) cycle
-        call bend_at(state, b, end, own, next)
-        associate (centre => s%centre(lo(1):hi(1), lo(2):hi(2), lo(3):hi(3)), &
-                   inner_high => s%high(lo(1):hi(1), b, lo(2):hi(2), lo(3):hi(3)), &
-                   inner_low => s%low(lo(1):hi(1), b, lo(2):hi(2), lo(3):hi(3)), &
-                   wall => state%wall(end, b, a)%conductance)
-          centre = centre + next*wall
-          if (end == 1) inner_high = inner_high + next*wall
-          if (end == 2) inner_low = inner_low + next*wall
+    do m = 1, 6
+      if (.not. touches(rims(m), j, k)) cycle
+      associate (s => state%stencil(a), b => rims(m)%b, end => rims(m)%end, from => rims(m)%lo(1), to => rims(m)%hi(1))
+        if (end == 1) s%low(from:to, b, j, k) = 0.0_wp
+        if (end == 2) s%high(from:to, b, j, k) = 0.0_wp
+        if (.not. rims(m)%next > 0.0_wp) cycle
+        associate (wall => state%wall(end, b, a)%conductance)
+          if (end == 1) call bend_row(rims(m), wall(from:to, j, k), s%centre(from:to, j, k), s%high(from:to, b, j, k))
+          if (end == 2) call bend_row(rims(m), wall(from:to, j, k), s%centre(from:to, j, k), s%low(from:to, b, j, k))
         end associate
-      end do
-    end associate
-  end subroutine close_ends
+      end associate
+    end do
+  end subroutine close_row
 
-  !> Rows of the faces across a whose velocity is given: those on the surface of the domain, and closed ones.
-  subroutine keep_given(state, a)
+  !> What friction on a wall has of the velocities one further in.
+  pure subroutine bend_row(rim, wall, centre, inner)
+    type(rim_t), intent(in) :: rim
+    real(wp), intent(in) :: wall(rim%lo(1):rim%hi(1))
+    real(wp), intent(inout), dimension(rim%lo(1):rim%hi(1)) :: centre, inner
+
+    integer :: i
+
+    do i = rim%lo(1), rim%hi(1)
+      centre(i) = centre(i) + rim%next*wall(i)
+      inner(i) = inner(i) + rim%next*wall(i)
+    end do
+  end subroutine bend_row
+
+  !> Whether a row of faces lies at a side.
+  pure function touches(rim, j, k)
+    type(rim_t), intent(in) :: rim
+    integer, intent(in) :: j, k
+    logical :: touches
+
+    touches = j >= rim%lo(2) .and. j <= rim%hi(2) .and. k >= rim%lo(3) .and. k <= rim%hi(3)
+  end function touches
+
+  !> Rows that walls within the domain have changed since they were closed.
+  subroutine finish_rows(state, a, sums)
     class(gas_state_t), intent(inout) :: state
     integer, intent(in) :: a
+    real(wp), intent(inout) :: sums(2)
 
-    integer :: end, lo(3), hi(3)
+    type(rim_t) :: rims(6)
+    integer :: j, k
 
-    if (allocated(state%space)) then
-      call keep_rows(state, a, state%stencil(a)%lo, state%stencil(a)%n)
-      return
-    end if
-    do end = 1, 2
-      if (.not. state%boundary%side(end, a)%mine) cycle
-      call layer_along(state, a, a, end, lo, hi)
-      call keep_rows(state, a, lo, hi)
-    end do
-  end subroutine keep_given
-
-  !> Those among some faces.
-  subroutine keep_rows(state, a, lo, hi)
-    class(gas_state_t), intent(inout) :: state
-    integer, intent(in) :: a, lo(3), hi(3)
-
-    integer :: i, j, k
-
-    associate (s => state%stencil(a))
-      do k = lo(3), hi(3)
-        do j = lo(2), hi(2)
-          do i = lo(1), hi(1)
-            if (state%free(i, j, k, a) > 0.0_wp) cycle
-            s%low(i, :, j, k) = 0.0_wp
-            s%high(i, :, j, k) = 0.0_wp
-            s%centre(i, j, k) = state%fixed(i, j, k, a)
-            s%rhs(i, j, k) = state%source(i, j, k, a)
-          end do
+    rims = rims_of(state, a)
+    associate (lo => state%stencil(a)%lo, n => state%boxes%n)
+      do k = lo(3), n(3)
+        do j = lo(2), n(2)
+          call finish_row(state, a, j, k, rims, sums)
         end do
       end do
     end associate
-  end subroutine keep_rows
+  end subroutine finish_rows
+
+  !> Keep the velocities that are given, those on the surface of the domain and on closed faces, and find the residual.
+  subroutine finish_row(state, a, j, k, rims, sums)
+    class(gas_state_t), intent(inout) :: state
+    integer, intent(in) :: a, j, k
+    type(rim_t), intent(in) :: rims(6)
+    real(wp), intent(inout) :: sums(2)
+
+    integer :: m
+
+    associate (s => state%stencil(a), u => state%velocity)
+      if (allocated(state%space)) call keep_given(state, a, j, k, s%lo(1), s%n(1))
+      do m = 5, 6
+        if (touches(rims(m), j, k)) call keep_given(state, a, j, k, rims(m)%lo(1), rims(m)%hi(1))
+      end do
+      call find_residual([j, k], [j, k], s%lo, s%n, s%low, s%high, s%centre, s%rhs, u(:, :, :, a), s%change, sums)
+    end associate
+  end subroutine finish_row
+
+  !> Of the faces from..to of a row.
+  subroutine keep_given(state, a, j, k, from, to)
+    class(gas_state_t), intent(inout) :: state
+    integer, intent(in) :: a, j, k, from, to
+
+    integer :: i
+
+    associate (s => state%stencil(a))
+      do i = from, to
+        if (state%free(i, j, k, a) > 0.0_wp) cycle
+        s%low(i, :, j, k) = 0.0_wp
+        s%high(i, :, j, k) = 0.0_wp
+        s%centre(i, j, k) = state%fixed(i, j, k, a)
+        s%rhs(i, j, k) = state%source(i, j, k, a)
+      end do
+    end associate
+  end subroutine keep_given
 
 end module momentum

@@ -5,11 +5,11 @@
 !> keeps the continuity of its two halves.
 module momentum_cells
   use convection, only: limited
-  use gas_state, only: gas_state_t, spacing_t, unit_step, viscous_eps
+  use gas_state, only: gas_state_t, spacing_t, unit_step
   use kinds, only: wp
   implicit none
   private
-  public :: sweep_t, new_sweep, find_crossing, fill_beyond, continue_across, bend_at, wall_conductance, wall_push
+  public :: sweep_t, new_sweep, find_crossing, fill_beyond, continue_across, bend_at, rub
 
   integer, parameter :: stretch = 128  !< faces of a row at a time, whose work stays in the nearest cache
 
@@ -265,47 +265,48 @@ contains
     end associate
   end subroutine bend_at
 
-  !> eps mu A/h over the part of the surface across b beside velocity a at `cell` on which the gas sticks [kg/s].
-  pure function wall_conductance(state, a, b, end, cell) result(conductance)
+  !> eps mu A/h over the part of a side across b on which the gas sticks, beside the faces lo..hi of component a [kg/s]; times
+  !> the velocity of the wall if `grip` is [N].
+  pure subroutine rub(state, a, b, end, lo, hi, first, grip, friction)
     class(gas_state_t), intent(in) :: state
-    integer, intent(in) :: a, b, end
-    integer, intent(in) :: cell(3)
-    real(wp) :: conductance
+    integer, intent(in) :: a, b, end, lo(3), hi(3), first(3)
+    real(wp), intent(in) :: grip(first(1):, first(2):, first(3):)  !< (faces of the side) part that sticks [-]
+    real(wp), intent(out) :: friction(lo(1):hi(1), lo(2):hi(2), lo(3):hi(3))
 
-    integer :: x(3), here(3), there(3)
+    if (allocated(state%eddies)) then
+      call rub_cells(state, a, b, end, lo, hi, first, state%eddies%eps, grip, friction)
+    else
+      call rub_cells(state, a, b, end, lo, hi, first, state%eps, grip, friction)
+    end if
+  end subroutine rub
 
-    x = cell + unit_step(a)
-    here = cell
-    here(b) = merge(0, state%boxes%n(b), end == 1)
-    there = here + unit_step(a)
-    associate (grip => state%boundary%side(end, b)%grip)
-      conductance = 0.5_wp*state%viscosity/state%spacing(b)%width(cell(b))**2* &
-        (viscous_eps(state, cell(1), cell(2), cell(3))*state%volume(cell(1), cell(2), cell(3))*grip(here(1), here(2), here(3)) &
-         + viscous_eps(state, x(1), x(2), x(3))*state%volume(x(1), x(2), x(3))*grip(there(1), there(2), there(3)))
-    end associate
-  end function wall_conductance
-
-  !> The same times the velocity of the surface, which moves [N].
-  pure function wall_push(state, a, b, end, cell) result(push)
+  !> The same with the void fraction as viscous stress has it.
+  pure subroutine rub_cells(state, a, b, end, lo, hi, first, eps, grip, friction)
     class(gas_state_t), intent(in) :: state
-    integer, intent(in) :: a, b, end
-    integer, intent(in) :: cell(3)
-    real(wp) :: push
+    integer, intent(in) :: a, b, end, lo(3), hi(3), first(3)
+    real(wp), intent(in), contiguous :: eps(-1:, -1:, -1:)
+    real(wp), intent(in) :: grip(first(1):, first(2):, first(3):)
+    real(wp), intent(out) :: friction(lo(1):hi(1), lo(2):hi(2), lo(3):hi(3))
 
-    integer :: x(3), here(3), there(3)
+    integer :: i, j, k, e(3), d(3)  ! d: from a cell to its face on the side
+    real(wp) :: factor
 
-    x = cell + unit_step(a)
-    here = cell
-    here(b) = merge(0, state%boxes%n(b), end == 1)
-    there = here + unit_step(a)
-    associate (grip => state%boundary%side(end, b)%grip, slide => state%boundary%side(end, b)%slide)
-      push = 0.5_wp*state%viscosity/state%spacing(b)%width(cell(b))**2* &
-        (viscous_eps(state, cell(1), cell(2), cell(3))*state%volume(cell(1), cell(2), cell(3)) &
-           *grip(here(1), here(2), here(3))*slide(here(1), here(2), here(3), a) &
-         + viscous_eps(state, x(1), x(2), x(3))*state%volume(x(1), x(2), x(3)) &
-           *grip(there(1), there(2), there(3))*slide(there(1), there(2), there(3), a))
+    e = unit_step(a)
+    d = (merge(0, state%boxes%n(b), end == 1) - lo(b))*unit_step(b)
+    factor = 0.5_wp*state%viscosity/state%spacing(b)%width(lo(b))**2
+    associate (volume => state%volume)
+      do k = lo(3), hi(3)
+        do j = lo(2), hi(2)
+          do i = lo(1), hi(1)
+            friction(i, j, k) = factor* &
+              (eps(i, j, k)*volume(i, j, k)*grip(i + d(1), j + d(2), k + d(3)) &
+               + eps(i + e(1), j + e(2), k + e(3))*volume(i + e(1), j + e(2), k + e(3)) &
+                 *grip(i + d(1) + e(1), j + d(2) + e(2), k + d(3) + e(3)))
+          end do
+        end do
+      end do
     end associate
-  end function wall_push
+  end subroutine rub_cells
 
   !> Velocities in the first layer beyond the surface, which only the limiter sees: along the surface mirrored, about the
   !> velocity of the wall, where the gas sticks and continued where it slips, across it continued.

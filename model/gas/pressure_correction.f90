@@ -38,19 +38,25 @@ contains
     class(gas_state_t), intent(inout) :: state
     integer, intent(in) :: a
 
-    integer :: i, j, k, m, e(3)
-    real(wp) :: nearer, edge(2)
+    integer :: i, j, k, e(3)
+    real(wp) :: nearer(-1:maxval(state%boxes%n) + 1)       ! (along a) share of the cell below a face
+    real(wp), dimension(-1:state%boxes%n(1) + 1) :: area, share
+    real(wp) :: edge
 
     e = unit_step(a)
     associate (n => state%boxes%n, eps => state%eps, width => state%spacing(a)%width, side => state%spacing)
+      nearer(:n(a) + 1) = width(0:n(a) + 2)/(width(-1:n(a) + 1) + width(0:n(a) + 2))
+      area = 1.0_wp
+      if (a /= 1) area = side(1)%width(:n(1) + 1)
+      if (a == 1) share = nearer(:n(1) + 1)
       do k = -1, n(3) + 1
+        if (a == 3) share = nearer(k)
         do j = -1, n(2) + 1
-          edge = merge(1.0_wp, [side(2)%width(j), side(3)%width(k)], a == [2, 3])
+          if (a == 2) share = nearer(j)
+          edge = product(merge(1.0_wp, [side(2)%width(j), side(3)%width(k)], a == [2, 3]))
           do i = -1, n(1) + 1
-            m = dot_product(e, [i, j, k])
-            nearer = width(m + 1)/(width(m) + width(m + 1))
-            state%passage(i, j, k, a) = product(edge)*merge(1.0_wp, side(1)%width(i), a == 1) &
-              *(nearer*eps(i, j, k) + (1 - nearer)*eps(i + e(1), j + e(2), k + e(3)))
+            state%passage(i, j, k, a) = edge*area(i) &
+              *(share(i)*eps(i, j, k) + (1 - share(i))*eps(i + e(1), j + e(2), k + e(3)))
           end do
         end do
       end do

@@ -10,7 +10,7 @@ module momentum_solver
   use kinds, only: wp
   implicit none
   private
-  public :: stencil_t, momentum_solver_t
+  public :: stencil_t, momentum_solver_t, find_residual
 
   integer, parameter :: most_sweeps = 6           !< Jacobi sweeps before gradients take over
   integer, parameter :: vectors = 5               !< that BiCGSTAB works with
@@ -68,7 +68,7 @@ contains
     do a = 1, 3
       if (.not. stencil(a)%active) cycle
       associate (s => stencil(a))
-        call find_residual(s%lo, s%n, s%low, s%high, s%centre, s%rhs, u(:, :, :, a), s%change, sums)
+        call find_residual(s%lo(2:3), s%n(2:3), s%lo, s%n, s%low, s%high, s%centre, s%rhs, u(:, :, :, a), s%change, sums)
       end associate
     end do
     sums = comm%sum(sums)
@@ -136,13 +136,13 @@ contains
     end do
   end subroutine add_change
 
-  !> change = rhs - A u; its size and that of centre u are added to the sums.
-  pure subroutine find_residual(lo, n, low, high, centre, rhs, u, change, sums)
-    integer, intent(in) :: lo(3), n(3)
+  !> change = rhs - A u in the rows from..to (y, z) of faces; its size and that of centre u are added to the sums.
+  pure subroutine find_residual(from, to, lo, n, low, high, centre, rhs, u, change, sums)
+    integer, intent(in) :: from(2), to(2), lo(3), n(3)
     real(wp), intent(in), dimension(lo(1):n(1), 3, lo(2):n(2), lo(3):n(3)) :: low, high
     real(wp), intent(in), dimension(lo(1):n(1), lo(2):n(2), lo(3):n(3)) :: centre, rhs
     real(wp), intent(in) :: u(-1:n(1) + 2, -1:n(2) + 2, -1:n(3) + 2)
-    real(wp), intent(out) :: change(lo(1):n(1), lo(2):n(2), lo(3):n(3))
+    real(wp), intent(inout) :: change(lo(1):n(1), lo(2):n(2), lo(3):n(3))
     real(wp), intent(inout) :: sums(2)
 
     integer :: i, j, k
@@ -150,8 +150,8 @@ contains
 
     off = 0.0_wp
     size = 0.0_wp
-    do k = lo(3), n(3)
-      do j = lo(2), n(2)
+    do k = from(2), to(2)
+      do j = from(1), to(1)
         !$omp simd private(own) reduction(+:off, size)
         do i = lo(1), n(1)
           own = centre(i, j, k)*u(i, j, k)

@@ -212,6 +212,7 @@ contains
     real(wp), allocatable, intent(out) :: force(:,:,:)  !< (0:n1,0:n2,0:n3), of faces that are solved for
 
     integer :: b, i, j, k, s(3), x(3), y(3)
+    real(wp) :: sums(2)
 
     gas%flux = o
     gas%fixed = o
@@ -222,7 +223,7 @@ contains
     end do
     call reserve_walls(gas)
     call add_turned(gas, a)
-    call assemble_momentum(gas)
+    call assemble_momentum(gas, sums)
     associate (st => gas%stencil(a), n => gas%boxes%n, u => gas%velocity)
       allocate (force(0:n(1), 0:n(2), 0:n(3)), source=o)
       do k = st%lo(3), n(3)
