@@ -17,10 +17,7 @@ program test_gas_eddies
   type(communicator_t) :: comm
 
   call start_ranks(comm)
-  call channels()
-  call shear()
-  call pipes()
-  call plug()
+  if (comm%size < 4) call flows()  ! on more it is enough that any ranks give the same
   call any_ranks(.false., 'a vessel')
   call any_ranks(.true., 'a pipe of an ideal gas')
   call continued_run()
@@ -29,6 +26,14 @@ program test_gas_eddies
   call stop_ranks()
 
 contains
+
+  !> Those whose velocities are known.
+  subroutine flows()
+    call channels()
+    call shear()
+    call pipes()
+    call plug()
+  end subroutine flows
 
   !> Between plates: second order, the same along all axes, and of an ideal gas of that density.
   subroutine channels()
@@ -116,7 +121,7 @@ contains
     logical, intent(in) :: piped
     type(scene_t) :: scene
 
-    scene%cells = [9, 14, 8]
+    scene%cells = [7, 10, 6]
     scene%upper = scene%cells*edge
     scene%gravity = [o, -9.81_wp, o]
     scene%settings%turbulence_model = 'smagorinsky'
@@ -125,7 +130,7 @@ contains
     scene%numerics%velocity_tolerance = 1.0e-12_wp
     scene%numerics%maximum_iterations = 200
     associate (top => scene%upper)
-      scene%records = [record('in', 'inflow', [o, o, o], [4*edge, o, top(3)], velocity=2.0_wp), &
+      scene%records = [record('in', 'inflow', [o, o, o], [3*edge, o, top(3)], velocity=2.0_wp), &
                        record('out', 'outflow', [o, top(2), o], top), &
                        record('front', 'slip', [o, o, o], [top(1), top(2), o]), &
                        record('lid', 'no_slip', [top(1), o, o], top)]
@@ -133,7 +138,7 @@ contains
       if (.not. piped) return
       scene%records = scene%records(:2)
       scene%records(1)%upper(1) = top(1)
-      scene%walls = [pipe(0.5_wp*top + [0.3_wp*edge, o, 0.1_wp*edge], 2, 3.3_wp*edge)]
+      scene%walls = [pipe(0.5_wp*top + [0.3_wp*edge, o, 0.1_wp*edge], 2, 2.4_wp*edge)]
     end associate
     associate (s => scene%settings)
       s%density_law = 'ideal'
@@ -162,7 +167,7 @@ contains
     call set_cells(whole%boxes, wavy_void, whole%eps)
     call shared%accept()
     call whole%accept()
-    ok = [steps(shared, 6, 1.0e-3_wp), steps(whole, 6, 1.0e-3_wp)]
+    ok = [steps(shared, 3, 1.0e-3_wp), steps(whole, 3, 1.0e-3_wp)]
     associate (lo => shared%boxes%lo, hi => shared%boxes%hi, n => shared%boxes%n)
       difference(1) = maxval(abs(shared%velocity(1:n(1), 1:n(2), 1:n(3), :) &
                                  - whole%velocity(lo(1):hi(1), lo(2):hi(2), lo(3):hi(3), :)))/maxval(abs(whole%velocity))

@@ -86,7 +86,7 @@ contains
     if (comm%is_root()) call expect(space%lost_volume < 2.0e-3_wp*product(grid%upper - grid%lower), 'little is lost')
   end subroutine check_faces
 
-  !> Along each axis, on equal and on graded cells, inside and outside.
+  !> Along each axis, on equal and on graded cells, inside and outside; some of them on finer cells, too.
   subroutine cylinders()
     type(open_space_t) :: space
     type(wall_settings_t) :: wall
@@ -103,6 +103,7 @@ contains
           if (side == 2) volume = edge**3 - volume
           space = space_of(cube(n, m == 2), [wall])
           if (comm%is_root()) call expect_close(space%open_volume, volume, 3.0e-3_wp, 'cylinder')
+          if (modulo(a + side + m, 3) /= 0) cycle
           space = space_of(cube(2*n, m == 2), [wall])
           if (comm%is_root()) call expect_close(space%open_volume, volume, 2.0e-3_wp, 'cylinder, finer')
         end do
@@ -170,12 +171,12 @@ contains
 
     wall = mesh_wall()
     wall%gas_side = 'inside'
-    surfaces(1) = new_surface(ball(middle, 0.04_wp, 16))
+    surfaces(1) = new_surface(ball(middle, 0.04_wp, 10))
     volume = volume_of(surfaces(1), middle)
     space = space_of(cube(20, .false.), [wall], surfaces)
     if (comm%is_root()) call expect_close(space%open_volume, volume, 5.0e-3_wp, 'in a ball')
     wall%gas_side = 'outside'
-    space = space_of(cube(20, .true.), [wall], surfaces)
+    space = space_of(cube(14, .true.), [wall], surfaces)
     if (comm%is_root()) call expect_close(space%open_volume, edge**3 - volume, 5.0e-3_wp, 'round a ball')
   end subroutine meshes
 
