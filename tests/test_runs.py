@@ -122,6 +122,11 @@ def test_eddies_restart(geldart, tmp_path):
     run(geldart, "without", until(0.01), ranks=2)
     with_eddies, without = (state(tmp_path / name / "restart.h5")["gas_velocity_2"] for name in ("whole", "without"))
     assert np.abs(with_eddies - without).max() > 1e-3 * np.abs(without).max()
+    with h5py.File(tmp_path / "whole/gas.vtkhdf") as file:
+        viscosity = file["VTKHDF/CellData/eddy_viscosity"][()]
+    assert not viscosity[0].any()
+    assert (viscosity[1:] >= 0).all()
+    assert 1e-6 < viscosity[-1].max() < 1e-2
 
 
 def test_driven_gas_restarts(geldart, tmp_path):

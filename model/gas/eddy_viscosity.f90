@@ -36,6 +36,9 @@ contains
     allocate (state%eddies)
     state%eddies%constant = constant
     allocate (state%eddies%eps, source=state%eps)
+    associate (n => state%boxes%n)
+      allocate (state%eddies%viscosity(n(1), n(2), n(3)), source=0.0_wp)
+    end associate
     if (allocated(state%space)) call state%halo%exchange_many(state%space%nearness)
   end subroutine let_swirl
 
@@ -43,26 +46,22 @@ contains
   subroutine find_eddies(state)
     class(gas_state_t), intent(inout) :: state
 
-    real(wp), allocatable :: ratio(:,:,:)
     integer :: j, k
-    real(wp) :: constant
 
-    allocate (ratio(state%boxes%n(1), state%boxes%n(2), state%boxes%n(3)))
-    call find_rate(state, ratio)
-    constant = state%eddies%constant**2/state%viscosity
-    associate (n => state%boxes%n, spacing => state%spacing)
+    associate (n => state%boxes%n, spacing => state%spacing, mu => state%eddies%viscosity)
+      call find_rate(state, mu)
       do k = 1, n(3)
         do j = 1, n(2)
-          ratio(:, j, k) = constant*(spacing(1)%width(1:n(1))*spacing(2)%width(j)*spacing(3)%width(k))**(2.0_wp/3.0_wp) &
-            *sqrt(ratio(:, j, k))
+          mu(:, j, k) = state%eddies%constant**2*sqrt(mu(:, j, k)) &
+            *(spacing(1)%width(1:n(1))*spacing(2)%width(j)*spacing(3)%width(k))**(2.0_wp/3.0_wp)
         end do
       end do
       if (allocated(state%ideal)) then
-        ratio = ratio*state%ideal%density(1:n(1), 1:n(2), 1:n(3))
+        mu = mu*state%ideal%density(1:n(1), 1:n(2), 1:n(3))
       else
-        ratio = ratio*state%density
+        mu = mu*state%density
       end if
-      state%eddies%eps(1:n(1), 1:n(2), 1:n(3)) = state%eps(1:n(1), 1:n(2), 1:n(3))*(1 + ratio)
+      state%eddies%eps(1:n(1), 1:n(2), 1:n(3)) = state%eps(1:n(1), 1:n(2), 1:n(3))*(1 + mu/state%viscosity)
     end associate
     call state%halo%exchange(state%eddies%eps)
   end subroutine find_eddies

@@ -82,8 +82,9 @@ module gas_state
 
   !> Eddies smaller than the cells: see eddy_viscosity.
   type :: eddies_t
-    real(wp) :: constant                 !< C_s [-]
-    real(wp), allocatable :: eps(:,:,:)  !< of cells, eps (1 + mu_t/mu): stands for eps in the viscous stress [-]
+    real(wp) :: constant                       !< C_s [-]
+    real(wp), allocatable :: viscosity(:,:,:)  !< (n1,n2,n3) mu_t of my cells in the last step, 0 before the first [Pa s]
+    real(wp), allocatable :: eps(:,:,:)        !< of cells, eps (1 + mu_t/mu): stands for eps in the viscous stress [-]
   end type eddies_t
 
   type :: gas_state_t

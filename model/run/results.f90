@@ -364,6 +364,7 @@ contains
       call file%add('pressure', gas%pressure(1:n(1), 1:n(2), 1:n(3)), 'Pa')
       if (allocated(gas%ideal)) call file%add('density', gas%ideal%density(1:n(1), 1:n(2), 1:n(3)), 'kg/m3')
       call file%add('velocity', velocity, 'm/s')
+      if (allocated(gas%eddies)) call file%add('eddy_viscosity', gas%eddies%viscosity, 'Pa s')
       call file%end_step(outcome)
     end associate
   end subroutine write_gas

@@ -157,7 +157,7 @@ contains
     type(communicator_t) :: alone
     type(gas_t) :: shared, whole
     type(outcome_t) :: outcome
-    real(wp) :: difference(2), most
+    real(wp) :: difference(2), most, twice
     logical :: ok(2)
 
     alone%handle = MPI_COMM_SELF
@@ -175,12 +175,18 @@ contains
       difference(2) = maxval(abs(shared%eddies%eps(1:n(1), 1:n(2), 1:n(3)) &
                                  - whole%eddies%eps(lo(1):hi(1), lo(2):hi(2), lo(3):hi(3))))/most
     end associate
+    associate (n => whole%boxes%n)
+      associate (eps => whole%eps(1:n(1), 1:n(2), 1:n(3)), eddies => whole%eddies)
+        twice = maxval(abs(eps*(whole%viscosity + eddies%viscosity) - whole%viscosity*eddies%eps(1:n(1), 1:n(2), 1:n(3))))
+      end associate
+    end associate
     difference = comm%max(difference)
     call shared%destroy()
     call whole%destroy()
     if (.not. comm%is_root()) return
     call expect(all(ok), name//' converges')
     call expect(most > 10.0_wp, name//' has eddies')
+    call expect_close(twice, o, 1.0e-14_wp*most*1.8e-5_wp, name//', viscosity of eddies joins that of the gas [Pa s]')
     call expect_close(difference(1), o, 1.0e-10_wp, name//', velocity on any ranks')
     call expect_close(difference(2), o, 1.0e-10_wp, name//', viscosity on any ranks')
   end subroutine any_ranks
