@@ -25,6 +25,7 @@ program test_gas_boundary
   call sucked_in('ideal')
   call given_drop()
   call forgotten_drop()
+  if (comm%size == 1) call edge_of_a_plate()
   if (comm%size == 1) call small_cavity()
   if (comm%is_root()) call finish()
   call stop_ranks()
@@ -344,6 +345,29 @@ contains
     end if
     call gas%destroy()
   end subroutine forgotten_drop
+
+  !> Half of a floor is a plate to which gas sticks: of a face above its edge, a half of that.
+  subroutine edge_of_a_plate()
+    type(scene_t) :: scene
+    type(gas_t) :: gas
+    type(outcome_t) :: outcome
+    logical :: converged
+
+    scene%cells = [8, 6, 4]
+    scene%upper = scene%cells*edge
+    associate (top => scene%upper)
+      scene%records = [record('plate', 'no_slip', [o, o, o], [0.5_wp*top(1), o, top(3)]), &
+                       record('ice', 'slip', [0.5_wp*top(1), o, o], [top(1), o, top(3)])]
+    end associate
+    call make_gas(comm, scene, gas, outcome)
+    call gas%advance(1.0e-3_wp, converged)
+    associate (along => gas%wall(1, 2, 1)%conductance(:, 1, 2)/(gas%viscosity*edge), &
+               across => gas%wall(1, 2, 3)%conductance(:, 1, 2)/(gas%viscosity*edge))
+      call expect_close(maxval(abs(along(2:8) - [1.0_wp, 1.0_wp, 1.0_wp, 0.5_wp, o, o, o])), o, 1.0e-12_wp, 'half of a plate')
+      call expect_close(maxval(abs(across - [1.0_wp, 1.0_wp, 1.0_wp, 1.0_wp, o, o, o, o])), o, 1.0e-12_wp, 'along its edge')
+    end associate
+    call gas%destroy()
+  end subroutine edge_of_a_plate
 
   !> The cavity of verify_cavity on few cells: the strongest backflow, which is 0.2140 on many.
   subroutine small_cavity()
