@@ -1,4 +1,4 @@
-!> A &boundary record: a named part of the domain's surface and what happens there.
+!> A &boundary record: a named part of the domain's surface, or of the walls within it, and what happens there.
 module boundary_settings
   use case_keys, only: keys_t
   use constants, only: unset, is_set
@@ -14,6 +14,7 @@ module boundary_settings
   !> The part of the domain's surface inside the box lower..upper. Faces no record names are no-slip walls.
   type :: boundary_settings_t
     character(len=word_length) :: id = ''
+    character(len=word_length) :: surface = 'domain'  !< 'domain' | 'walls': within the domain, that block the gas
     real(wp) :: lower(3) = unset                     !< lowest corner of the box [m]
     real(wp) :: upper(3) = unset                     !< highest corner of the box [m]
     character(len=word_length) :: kind = ''          !< 'inflow' | 'outflow' | 'no_slip' | 'slip'
@@ -40,7 +41,9 @@ contains
     type(keys_t), intent(inout) :: keys
 
     call keys%get_id(settings%id, 'name of the region')
-    call keys%get('lower', settings%lower, 'lowest corner of a box: the region is the part of the domain''s surface inside [m]', &
+    call keys%get('surface', settings%surface, 'that of the domain, or of the walls within it that block the gas, in cells '// &
+                  'whose middle the box holds: an inflow across them', 'domain | walls')
+    call keys%get('lower', settings%lower, 'lowest corner of a box: the region is the part of the surface inside [m]', &
                   required=.true., when='always')
     call keys%get('upper', settings%upper, 'highest corner of the box [m]', required=.true., when='always')
     call keys%get('kind', settings%kind, 'what the gas does there; no_slip where no region is', &
@@ -97,6 +100,7 @@ contains
     call keys%require(settings%parcels /= 'open' .or. .not. keys%given('material'), 'material', &
                       'parcels leave there and touch nothing')
     if (len_trim(settings%kind) == 0) return
+    if (settings%surface == 'walls') call check_walls(settings, keys)
     speeds = count([keys%given('velocity'), keys%given('mass_flow'), keys%given('volume_flow')])
     if (settings%kind == 'inflow') then
       call keys%require(speeds == 1 .or. (settings%profile == 'table' .and. speeds == 0), 'kind', &
@@ -115,6 +119,17 @@ contains
                       'belongs to a no_slip wall')
     call keys%require(settings%kind == 'outflow' .or. .not. keys%given('pressure'), 'pressure', 'belongs to an outflow')
   end subroutine check_boundary
+
+  !> Walls within the domain stop parcels, and gas sticks to them or comes in through them.
+  subroutine check_walls(settings, keys)
+    type(boundary_settings_t), intent(in) :: settings
+    type(keys_t), intent(inout) :: keys
+
+    call keys%require(settings%kind == 'inflow', 'kind', 'the gas sticks to the walls within the domain, or flows in through them')
+    call keys%require(settings%profile == 'uniform', 'profile', 'of the walls within the domain is uniform')
+    call keys%require(settings%parcels == 'wall', 'parcels', 'do not leave through the walls within the domain')
+    call keys%require(.not. keys%given('material'), 'material', 'of a wall within the domain is given in &wall')
+  end subroutine check_walls
 
   !> An inflow that changes has as many factors as times.
   subroutine check_table(settings, keys)

@@ -1,4 +1,4 @@
-!> What happens on the surface of the domain, face of a cell by face of a cell.
+!> What happens on the surface of the domain, face of a cell by face of a cell, and at walls through which gas comes.
 !>
 !> A face belongs to the record whose box holds its centre; faces of no record are no-slip walls.
 module gas_boundary
@@ -7,10 +7,12 @@ module gas_boundary
   use constants, only: is_set
   use gas_settings, only: gas_settings_t
   use inflow_ramp, only: inflow_ramp_t
+  use inflow_speed, only: superficial, strength
   use kinds, only: wp
   use mesh, only: mesh_t
   use open_space, only: open_space_t
   use outcome, only: outcome_t, exit_input
+  use wall_inflow, only: wall_inflow_t, find_wall_inflow
   implicit none
   private
   public :: gas_boundary_t, new_gas_boundary, set_inflow
@@ -34,6 +36,7 @@ module gas_boundary
 
   type :: gas_boundary_t
     type(side_t) :: side(2, 3)      !< (low or high, direction)
+    type(wall_inflow_t), allocatable :: walls  !< within the domain, if gas comes through any
     logical :: any_open = .false.   !< some face of the domain is open
     logical :: open_across(3) = .false.  !< some face across this direction is open
     real(wp) :: inflow = 0.0_wp     !< volume flow into the domain through all inflow faces [m3/s]
@@ -54,7 +57,7 @@ contains
     type(open_space_t), intent(in), optional :: space  !< that walls leave
 
     real(wp) :: area(size(records)), shaped(size(records)), speed(size(records))
-    integer :: a, end, overlap
+    integer :: a, end, m, overlap
 
     area = 0.0_wp
     shaped = 0.0_wp
@@ -69,12 +72,18 @@ contains
         call shape_side(boxes, mesh, records, a, boundary%side(end, a), shaped)
       end do
     end do
+    if (any(records%surface == 'walls') .and. present(space)) then
+      allocate (boundary%walls)
+      call find_wall_inflow(boxes, mesh, records, space, boundary%walls, overlap)
+      area = area + [(sum(boundary%walls%area, boundary%walls%record == m), m=1, size(records))]
+    end if
     area = boxes%comm%sum(area)
     shaped = boxes%comm%sum(shaped)
     call check_records(records, area, shaped, boxes%comm%max(overlap), present(space), outcome)
     speed = superficial(records, area, shaped, settings%density)
     boundary%inflow = sum(speed*area)
     call settle_sides(boxes, records, strength(records, speed, area, shaped), settings%pressure, boundary)
+    if (allocated(boundary%walls)) call boundary%walls%settle(speed)
     call prepare_ramps(records, speed*area, boundary)
     if (boundary%inflow > 0.0_wp .and. .not. boundary%any_open .and. settings%density_law == 'constant') then
       call outcome%fail(exit_input, 'gas flows in but no &boundary is an outflow: an incompressible gas needs one')
@@ -99,7 +108,7 @@ contains
           if (.not. side%area(i, j, k) > 0.0_wp) cycle
           x = face_centre(boxes, mesh, [i, j, k], a)
           do m = 1, size(records)
-            if (.not. holds(records(m), x, mesh%finest)) cycle
+            if (records(m)%surface == 'walls' .or. .not. holds(records(m), x, mesh%finest)) cycle
             if (side%record(i, j, k) /= 0) overlap = side%record(i, j, k) + (m - 1)*size(records)
             side%record(i, j, k) = m
           end do
@@ -204,6 +213,11 @@ contains
         call outcome%fail(exit_input, '&boundary '//trim(records(m)%id)//': its table lets nothing in through the region')
       end if
       if (area(m) > 0.0_wp) cycle
+      if (records(m)%surface == 'walls') then
+        call outcome%fail(exit_input, '&boundary '//trim(records(m)%id)//' holds the middle of no cell with a wall that blocks ' &
+                          //'the gas: widen it')
+        cycle
+      end if
       call outcome%fail(exit_input, '&boundary '//trim(records(m)%id)//' holds the centre of no cell face on the ' &
                         //'surface of the domain'//trim(merge(' that walls leave open', repeat(' ', 22), walled)) &
                         //': move its corners onto a face that is not periodic, or widen it')
@@ -212,43 +226,6 @@ contains
     call outcome%fail(exit_input, '&boundary '//trim(records(1 + modulo(overlap - 1, size(records)))%id) &
                       //' and &boundary '//trim(records(1 + (overlap - 1)/size(records))%id)//' overlap')
   end subroutine check_records
-
-  !> Superficial velocity into the domain of each record, its mean over the faces [m/s]; 0 for all but inflows.
-  pure function superficial(records, area, shaped, density) result(speed)
-    type(boundary_settings_t), intent(in) :: records(:)
-    real(wp), intent(in) :: area(:)   !< [m2]
-    real(wp), intent(in) :: shaped(:)  !< sums of area times share
-    real(wp), intent(in) :: density   !< [kg/m3]
-    real(wp) :: speed(size(records))
-
-    integer :: m
-
-    speed = 0.0_wp
-    do m = 1, size(records)
-      if (records(m)%kind /= 'inflow' .or. .not. area(m) > 0.0_wp) cycle
-      if (is_set(records(m)%velocity)) then
-        speed(m) = records(m)%velocity
-      else if (is_set(records(m)%volume_flow)) then
-        speed(m) = records(m)%volume_flow/area(m)
-      else if (is_set(records(m)%mass_flow)) then
-        speed(m) = records(m)%mass_flow/(density*area(m))
-      else
-        speed(m) = shaped(m)/area(m)
-      end if
-    end do
-  end function superficial
-
-  !> What the share of a face is multiplied by to be its velocity: with a profile the mean is the velocity of the record.
-  pure function strength(records, speed, area, shaped) result(factor)
-    type(boundary_settings_t), intent(in) :: records(:)
-    real(wp), intent(in) :: speed(:)   !< [m/s]
-    real(wp), intent(in) :: area(:)    !< [m2]
-    real(wp), intent(in) :: shaped(:)  !< sums of area times share
-    real(wp) :: factor(size(records))
-
-    factor = speed
-    where (records%profile /= 'uniform' .and. shaped > 0.0_wp) factor = speed*area/max(shaped, tiny(1.0_wp))
-  end function strength
 
   !> From records to what the equations ask of each face.
   subroutine settle_sides(boxes, records, factor, reference, boundary)
@@ -428,6 +405,7 @@ contains
       factor = 1.0_wp
       if (allocated(boundary%ramp(m)%times)) factor = boundary%ramp(m)%at(time)
       boundary%inflow = boundary%inflow + factor*boundary%nominal(m)
+      if (allocated(boundary%walls)) call boundary%walls%multiply(m, factor)
       do a = 1, 3
         do end = 1, 2
           if (.not. boundary%side(end, a)%mine) cycle

@@ -117,6 +117,13 @@ contains
         end do
       end do
     end do
+    if (allocated(boundary%walls)) then
+      do p = 1, parts%n
+        associate (n => boxes%n)
+          if (any(parts%part(1:n(1), 1:n(2), 1:n(3)) == p .and. boundary%walls%record > 0)) ways(2, p) = 1.0_wp
+        end associate
+      end do
+    end if
     ways = reshape(boxes%comm%sum(reshape(ways, [size(ways)])), shape(ways))
     drained = ways(1, :) > 0.0_wp
     fed = ways(2, :) > 0.0_wp

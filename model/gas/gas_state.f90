@@ -115,7 +115,8 @@ module gas_state
     type(spacing_t) :: spacing(3)
     real(wp), allocatable :: volume(:,:,:)          !< of cells, as far as they are open; of closed ones all of it [m3]
     real(wp), allocatable :: passage(:,:,:,:)       !< void fraction times area of faces [m2]
-    real(wp), allocatable :: storage(:,:,:)         !< growth of the gas mass of cells in the step [kg/s]
+    real(wp), allocatable :: seep(:,:,:)            !< mass flow into cells through their walls [kg/s]; exists if there is any
+    real(wp), allocatable :: storage(:,:,:)         !< growth of the gas mass of cells in the step, less seep [kg/s]
     real(wp), allocatable :: flux(:,:,:,:)          !< mass flow through faces [kg/s]
     real(wp), allocatable :: fixed(:,:,:,:)         !< diagonal without neighbours: inertia, drag, wall friction [kg/s]
     real(wp), allocatable :: source(:,:,:,:)        !< inertia, gravity, drag: what does not change in the step [N]
@@ -228,6 +229,7 @@ contains
     allocate (state%velocity_before, source=state%velocity)
     allocate (state%imbalance(n(1), n(2), n(3)), source=0.0_wp)
     allocate (state%storage, source=state%imbalance)
+    if (allocated(state%boundary%walls)) allocate (state%seep, source=state%eps)
     state%eps(1:n(1), 1:n(2), 1:n(3)) = 1.0_wp
     call state%halo%exchange(state%eps)
     allocate (state%eps_old, source=state%eps)

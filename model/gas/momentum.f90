@@ -14,7 +14,7 @@ module momentum
   use kinds, only: wp
   use momentum_cells, only: sweep_t, new_sweep, find_crossing, bend_at, rub
   use momentum_solver, only: find_residual
-  use narrow_momentum, only: add_walls, tilt_rows
+  use narrow_momentum, only: add_walls, add_seep, tilt_rows
   implicit none
   private
   public :: prepare_momentum, assemble_momentum, drive
@@ -40,6 +40,7 @@ contains
       call set_fixed(state, a, dt)
       call add_friction(state, a)
       if (allocated(state%space)) call add_walls(state, a)
+      if (allocated(state%seep)) call add_seep(state, a)
       if (allocated(state%ideal)) call add_inertia(state, a)
       if (allocated(state%eddies)) call add_turned(state, a)
       call set_mobility(state, a)

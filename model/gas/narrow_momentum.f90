@@ -15,7 +15,7 @@ module narrow_momentum
   use open_space, only: tilt_t
   implicit none
   private
-  public :: add_walls, tilt_rows
+  public :: add_walls, add_seep, tilt_rows
 
 contains
 
@@ -54,6 +54,59 @@ contains
       end do
     end associate
   end subroutine add_walls
+
+  !> Gas that comes in through the wall of a cell brings the momentum of its own velocity, across the wall, which is also what
+  !> the wall drags the gas to. As its continuity, the diagonal goes by halves to the two faces; the momentum goes
+  !> by their open areas: to one alone if the other is closed, from which half of the flow seems to come, at rest.
+  subroutine add_seep(state, a)
+    class(gas_state_t), intent(inout) :: state
+    integer, intent(in) :: a
+
+    integer :: i, j, k, e(3), x, y, z
+    real(wp) :: share(2), flow(2), friction(2)
+
+    e = unit_step(a)
+    associate (first => state%first(:, a), n => state%boxes%n, space => state%space, seep => state%seep)
+      do k = first(3), n(3)
+        z = k + e(3)
+        do j = first(2), n(2)
+          y = j + e(2)
+          do i = first(1), n(1)
+            x = i + e(1)
+            if (.not. state%free(i, j, k, a)*(seep(i, j, k) + seep(x, y, z)) > 0.0_wp) cycle
+            share = [space%upper(i, j, k, a), 1 - space%upper(x, y, z, a)]
+            flow = [seep(i, j, k), seep(x, y, z)]
+            friction = share*state%viscosity*space%nearness(i, j, k, a) &
+              *[viscous_eps(state, i, j, k)*space%wall(i, j, k), viscous_eps(state, x, y, z)*space%wall(x, y, z)]
+            state%fixed(i, j, k, a) = state%fixed(i, j, k, a) + 0.5_wp*sum(flow)
+            state%source(i, j, k, a) = state%source(i, j, k, a) &
+              + dot_product(share*flow + friction, [seeping(state, a, [i, j, k]), seeping(state, a, [x, y, z])])
+          end do
+        end do
+      end do
+    end associate
+  end subroutine add_seep
+
+  !> Component a of the velocity with which gas comes through the wall of a cell [m/s].
+  pure function seeping(state, a, cell) result(velocity)
+    class(gas_state_t), intent(in) :: state
+    integer, intent(in) :: a, cell(3)
+    real(wp) :: velocity
+
+    integer :: x(3), e(3), b
+    real(wp) :: facing
+
+    velocity = 0.0_wp
+    x = cell
+    e = unit_step(a)
+    if (.not. abs(state%seep(x(1), x(2), x(3))) > 0.0_wp) return
+    facing = state%space%area(x(1), x(2), x(3), a) - state%space%area(x(1) - e(1), x(2) - e(2), x(3) - e(3), a)
+    do b = 1, 3
+      if (b /= a) facing = facing*state%spacing(b)%width(x(b))
+    end do
+    velocity = state%seep(x(1), x(2), x(3))*facing &
+      /(state%density*state%eps(x(1), x(2), x(3))*state%space%wall(x(1), x(2), x(3))**2)
+  end function seeping
 
   !> Add to rows that are otherwise complete what the stress between flows is more than that of their middles.
   subroutine tilt_rows(state, a)

@@ -2,6 +2,8 @@
 !>
 !>   rho V (eps - eps_old)/dt + sum of G_out = 0,    G = rho a u,    a = eps_f A
 !>
+!> or what comes in through the walls of a cell in the place of 0.
+!>
 !> A pressure correction p' changes the velocities by u' = -d (p'_above - p'_below); put into the continuity
 !> equation it gives sum over faces of c (p' - p'_beyond) = -imbalance with c = rho a d. The density of an ideal gas grows
 !> with p': see gas_density.
@@ -30,7 +32,11 @@ contains
     associate (n => state%boxes%n)
       state%storage = state%density/dt*state%volume(1:n(1), 1:n(2), 1:n(3)) &
         *(state%eps(1:n(1), 1:n(2), 1:n(3)) - state%eps_old(1:n(1), 1:n(2), 1:n(3)))
+      if (.not. allocated(state%seep)) return
+      state%seep(1:n(1), 1:n(2), 1:n(3)) = state%density*state%boundary%walls%area*state%boundary%walls%flow
+      state%storage = state%storage - state%seep(1:n(1), 1:n(2), 1:n(3))
     end associate
+    call state%halo%exchange(state%seep)
   end subroutine prepare_faces
 
   !> The void fraction of a face lies on the straight line between those of its two cells.

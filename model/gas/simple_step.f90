@@ -242,6 +242,7 @@ contains
         end do
       end do
       sums(3) = sum(state%storage)
+      if (allocated(state%seep)) sums = sums + [1, 0, 1]*sum(state%seep(1:n(1), 1:n(2), 1:n(3)))
       sums = state%boxes%comm%sum(sums)
       report%inflow = sums(1)
       report%outflow = sums(2)

@@ -128,6 +128,10 @@ contains
     on = .false.
     do i = 1, size(case%boundaries)
       if (.not. has_box(case%boundaries(i)%lower, case%boundaries(i)%upper)) cycle
+      if (case%boundaries(i)%surface == 'walls') then
+        call check_wall_inflow(case, i, keys)
+        cycle
+      end if
       on(:, i) = [(is_on_side(case, case%boundaries(i), side), side=1, 6)]
       call keys%require_at(any(on(:, i)), 'boundary', i, '', 'touches no face of the domain, or not the middle of a cell''s')
       call keys%require_at(.not. any(on(:, i)) .or. any(on(:, i) .and. .not. [case%domain%periodic, case%domain%periodic]), &
@@ -144,6 +148,20 @@ contains
       end do
     end do
   end subroutine check_regions
+
+  !> Through walls within the domain comes a gas of constant density.
+  subroutine check_wall_inflow(case, i, keys)
+    type(case_t), intent(in) :: case
+    integer, intent(in) :: i
+    type(keys_t), intent(inout) :: keys
+
+    integer :: w
+
+    call keys%require_at(any([(case%walls(w)%blocks_gas(), w=1, size(case%walls))]), 'boundary', i, 'surface', &
+                         'no &wall blocks the gas: give one a gas_side')
+    call keys%require_at(case%gas%density_law == 'constant', 'boundary', i, 'surface', &
+                         'through walls comes only a gas of constant density')
+  end subroutine check_wall_inflow
 
   !> A wall of the gas moves along itself, and where there are parcels they feel walls of their own.
   subroutine check_moving_wall(case, i, on, keys)
