@@ -12,10 +12,10 @@ module wall_inflow
   public :: wall_inflow_t, find_wall_inflow
 
   type :: wall_inflow_t
-    integer, allocatable :: record(:,:,:)   !< (n1,n2,n3) to which the wall of a cell belongs, 0 for none
-    real(wp), allocatable :: area(:,:,:)    !< of that wall [m2]
-    real(wp), allocatable :: flow(:,:,:)    !< superficial velocity into the gas [m/s]
-    real(wp), allocatable :: nominal(:,:,:) !< the same where factors are 1
+    integer, allocatable :: record(:,:,:)    !< (n1,n2,n3) to which the wall of a cell belongs, 0 for none
+    real(wp), allocatable :: area(:,:,:)     !< of that wall [m2]
+    real(wp), allocatable :: flow(:,:,:)     !< superficial velocity into the gas [m/s]
+    real(wp), allocatable :: nominal(:,:,:)  !< the same where factors are 1
   contains
     procedure :: settle
     procedure :: multiply

@@ -1,4 +1,5 @@
 !> Gas that comes in through walls within the domain.
+! ranks: 1 2
 program test_wall_inflow
   use boundary_settings, only: boundary_settings_t
   use check, only: expect, expect_close, finish
@@ -80,7 +81,7 @@ contains
     call make_gas(comm, scene, gas, outcome)
     call set_cells(gas%boxes, half, gas%eps)
     call gas%accept()
-    ok = steps(gas, 40, 2.0e-3_wp)
+    ok = steps(gas, 4, 2.0e-3_wp)
     associate (n => gas%boxes%n, u => gas%velocity)
       worst(1) = maxval(abs(u(1:n(1), 1:n(2), 1:n(3), a) - side*speed/part*gas%free(1:n(1), 1:n(2), 1:n(3), a)))
       worst(2) = sum(abs(u(1:n(1), 1:n(2), 1:n(3), :))) - sum(abs(u(1:n(1), 1:n(2), 1:n(3), a)))
@@ -130,7 +131,7 @@ contains
                      record('out', 'outflow', [o, scene%upper(2), o], scene%upper)]
     scene%records(1)%velocity = speed
     call make_gas(comm, scene, gas, outcome)
-    ok = steps(gas, 40, 0.02_wp)
+    ok = steps(gas, 8, 0.02_wp)
     flow = gas%density*speed*2*pi*radius*scene%upper(2)
     p = [mean_pressure(gas, long/3), mean_pressure(gas, long - 2)]
     fall = p(1) - p(2)
