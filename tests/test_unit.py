@@ -1,5 +1,7 @@
 """Every program tests/unit/test_*.f90, in both builds, on 1 rank, or on 1, 2 and 4 where it starts ranks.
 
+In the debug build only programs about what ranks give each other run on 4: on two cores these are the slowest.
+
 A program prints 'ok NAME' or 'FAIL NAME' for each thing it expects, and 'finished' when it has come
 to its end. A comment '! ranks: 1 3' among its first lines asks for other numbers of ranks.
 """
@@ -11,19 +13,25 @@ import pytest
 from conftest import MODES, ROOT, launch, program
 
 
-def ranks_of(source):
+EXCHANGES = {"boxes", "communicator", "coupling_mapping", "des_many", "gas_eddies", "gas_step", "halo", "neighbours", "restart",
+             "route", "spreading", "tiles", "transfer"}
+
+
+def ranks_of(source, mode):
     """On how many ranks a test program runs."""
     text = source.read_text()
     asked = re.search(r"^!>? *ranks: *([0-9 ]+)$", "\n".join(text.splitlines()[:20]), re.MULTILINE)
     if asked:
         return [int(n) for n in asked.group(1).split()]
-    return [1, 2, 4] if "start_ranks" in text else [1]
+    if "start_ranks" not in text:
+        return [1]
+    return [1, 2] if mode == "debug" and source.stem[5:] not in EXCHANGES else [1, 2, 4]
 
 
 def cases():
     for source in sorted((ROOT / "tests/unit").glob("test_*.f90")):
         for mode in MODES:
-            for ranks in ranks_of(source):
+            for ranks in ranks_of(source, mode):
                 # One program writes its files under one name, so its runs follow each other.
                 mark = pytest.mark.xdist_group(source.stem)
                 yield pytest.param(source.stem, mode, ranks, id=f"{source.stem[5:]}-{mode}-{ranks}", marks=mark)
