@@ -11,6 +11,8 @@ module boundary_settings
   private
   public :: boundary_settings_t, declare_boundary
 
+  real(wp), parameter :: closeness = 1.0e-6_wp  !< of a cell's edge: what counts as lying on a plane
+
   !> The part of the domain's surface inside the box lower..upper. Faces no record names are no-slip walls.
   type :: boundary_settings_t
     character(len=word_length) :: id = ''
@@ -31,9 +33,21 @@ module boundary_settings
     character(len=word_length) :: parcels = 'wall'   !< 'wall': parcels bounce | 'open': they leave
     character(len=word_length) :: material_id = ''   !< key material: of the wall
     integer :: material = 0                          !< place of that record; 0: that of all walls
+  contains
+    procedure :: holds
   end type boundary_settings_t
 
 contains
+
+  !> Whether a point is in the box, or as good as on its surface.
+  pure function holds(self, x, h)
+    class(boundary_settings_t), intent(in) :: self
+    real(wp), intent(in) :: x(3)  !< [m]
+    real(wp), intent(in) :: h(3)  !< edges of a cell [m]
+    logical :: holds
+
+    holds = all(x >= self%lower - closeness*h .and. x <= self%upper + closeness*h)
+  end function holds
 
   !> The keys of the open record.
   subroutine declare_boundary(settings, keys)

@@ -17,8 +17,6 @@ module gas_boundary
   private
   public :: gas_boundary_t, new_gas_boundary, set_inflow
 
-  real(wp), parameter :: closeness = 1.0e-6_wp  !< of a cell's edge: what counts as lying on a plane
-
   !> The faces of my box on one side of the domain. All arrays have the shape of the side as seen from the velocity
   !> across it: (x,y,z) indices of the faces, one thick across, 0..n+1 along the side; the rims repeat or wrap.
   type :: side_t
@@ -108,7 +106,7 @@ contains
           if (.not. side%area(i, j, k) > 0.0_wp) cycle
           x = face_centre(boxes, mesh, [i, j, k], a)
           do m = 1, size(records)
-            if (records(m)%surface == 'walls' .or. .not. holds(records(m), x, mesh%finest)) cycle
+            if (records(m)%surface == 'walls' .or. .not. records(m)%holds(x, mesh%finest)) cycle
             if (side%record(i, j, k) /= 0) overlap = side%record(i, j, k) + (m - 1)*size(records)
             side%record(i, j, k) = m
           end do
@@ -169,14 +167,6 @@ contains
     place = boxes%lo + cell - 1
     place = merge(1 + modulo(place - 1, boxes%cells), min(max(place, 1), boxes%cells), boxes%periodic)
   end function place_of
-
-  pure function holds(record, x, h)
-    type(boundary_settings_t), intent(in) :: record
-    real(wp), intent(in) :: x(3), h(3)
-    logical :: holds
-
-    holds = all(x >= record%lower - closeness*h .and. x <= record%upper + closeness*h)
-  end function holds
 
   !> Add the areas of my faces, rim left out, to those of their records.
   pure subroutine add_area(side, boxes, a, area)

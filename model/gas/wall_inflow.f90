@@ -44,7 +44,7 @@ contains
             if (.not. space%wall(i, j, k) > 0.0_wp .or. space%closed(i, j, k)) cycle
             x = mesh%in_metres(boxes%lo + [i, j, k] - 1.5_wp)
             do m = 1, size(records)
-              if (records(m)%surface /= 'walls' .or. .not. all(x >= records(m)%lower .and. x <= records(m)%upper)) cycle
+              if (records(m)%surface /= 'walls' .or. .not. records(m)%holds(x, mesh%finest)) cycle
               if (walls%record(i, j, k) /= 0) overlap = walls%record(i, j, k) + (m - 1)*size(records)
               walls%record(i, j, k) = m
             end do

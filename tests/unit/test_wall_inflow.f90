@@ -203,7 +203,7 @@ contains
   subroutine no_way_out()
     type(scene_t) :: scene
     type(gas_t) :: gas
-    type(outcome_t) :: outcome, other
+    type(outcome_t) :: outcome, other, shut_in
 
     scene%cells = [10, 12, 10]
     scene%upper = scene%cells*edge
@@ -217,6 +217,14 @@ contains
     scene%records(1)%upper = 0.55_wp*scene%upper
     call make_gas(comm, scene, gas, other)
     if (comm%is_root()) call expect(index(other%message, 'no cell with a wall') > 0, 'no wall in the box')
+    ! a disc as wide as the vessel, gas from its lower face
+    scene%walls(1)%radius = 2*scene%upper(1)
+    scene%walls(1)%length = 2.3_wp*edge
+    scene%walls(1)%gas_side = 'outside'
+    scene%records(1)%lower = o
+    scene%records(1)%upper = [scene%upper(1), scene%walls(1)%point(2) + edge, scene%upper(3)]
+    call make_gas(comm, scene, gas, shut_in)
+    if (comm%is_root()) call expect(index(shut_in%message, 'keep from every outflow') > 0, 'gas into a part without a way out')
   end subroutine no_way_out
 
 end program test_wall_inflow
