@@ -141,7 +141,7 @@ contains
     end subroutine demand_direction
   end subroutine check_keys
 
-  !> The gas is where the parcels are, and feels walls at rest only.
+  !> The gas is where the parcels are, and a wall that keeps it stays where it is.
   subroutine check_gas_side(settings, keys)
     type(wall_settings_t), intent(in) :: settings
     type(keys_t), intent(inout) :: keys
@@ -149,7 +149,8 @@ contains
     type(wall_motion_t) :: motion
 
     motion = wall_motion_t(settings%velocity, settings%angular_velocity, [0.0_wp, 0.0_wp, 0.0_wp])
-    call keys%require(motion%is_still(), 'gas_side', 'a wall that the gas does not pass through must be at rest')
+    call keys%require(settings%kind /= 'mesh' .or. settings%stays .or. motion%is_still(), 'gas_side', &
+                      'a mesh that the gas does not pass through cannot move as a whole: see stays')
     call keys%require(settings%kind /= 'plane' .or. settings%gas_side == 'inside', 'gas_side', &
                       'of a plane the gas is where the parcels are: inside')
     call keys%require(settings%kind /= 'cylinder' .or. settings%has_length() .or. settings%gas_side == settings%side, 'gas_side', &

@@ -56,7 +56,7 @@ contains
 
     call keys%get_id(settings%id, 'name of the region')
     call keys%get('surface', settings%surface, 'that of the domain, or of the walls within it that block the gas, in cells '// &
-                  'whose middle the box holds: an inflow across them', 'domain | walls')
+                  'whose middle the box holds', 'domain | walls')
     call keys%get('lower', settings%lower, 'lowest corner of a box: the region is the part of the surface inside [m]', &
                   required=.true., when='always')
     call keys%get('upper', settings%upper, 'highest corner of the box [m]', required=.true., when='always')
@@ -134,13 +134,13 @@ contains
     call keys%require(settings%kind == 'outflow' .or. .not. keys%given('pressure'), 'pressure', 'belongs to an outflow')
   end subroutine check_boundary
 
-  !> Walls within the domain stop parcels, and gas sticks to them or comes in through them.
+  !> Walls within the domain stop parcels and have their motion and their material from &wall.
   subroutine check_walls(settings, keys)
     type(boundary_settings_t), intent(in) :: settings
     type(keys_t), intent(inout) :: keys
 
-    call keys%require(settings%kind == 'inflow', 'kind', 'the gas sticks to the walls within the domain, or flows in through them')
     call keys%require(settings%profile == 'uniform', 'profile', 'of the walls within the domain is uniform')
+    call keys%require(.not. keys%given('wall_velocity'), 'wall_velocity', 'of a wall within the domain is given in &wall')
     call keys%require(settings%parcels == 'wall', 'parcels', 'do not leave through the walls within the domain')
     call keys%require(.not. keys%given('material'), 'material', 'of a wall within the domain is given in &wall')
   end subroutine check_walls

@@ -39,7 +39,9 @@ contains
     associate (n => state%boxes%n)
       allocate (state%eddies%viscosity(n(1), n(2), n(3)), source=0.0_wp)
     end associate
-    if (allocated(state%space)) call state%halo%exchange_many(state%space%nearness)
+    if (.not. allocated(state%space)) return
+    call state%halo%exchange_many(state%space%nearness)
+    if (allocated(state%space%slide)) call state%halo%exchange_many(state%space%slide)
   end subroutine let_swirl
 
   !> Their viscosity in all cells, from void fractions, densities and velocities that are right in the halo, too.
@@ -121,8 +123,9 @@ contains
           do j = 1, n(2)
             do i = 1, n(1)
               if (.not. space%wall(i, j, k) > 0.0_wp) cycle
-              shear = [u(i - e(1), j - e(2), k - e(3), a)*space%nearness(i - e(1), j - e(2), k - e(3), a), &
-                       u(i, j, k, a)*space%nearness(i, j, k, a)]
+              shear = [u(i - e(1), j - e(2), k - e(3), a), u(i, j, k, a)]
+              if (allocated(space%slide)) shear = shear - [space%slide(i - e(1), j - e(2), k - e(3), a), space%slide(i, j, k, a)]
+              shear = shear*[space%nearness(i - e(1), j - e(2), k - e(3), a), space%nearness(i, j, k, a)]
               rate(i, j, k) = rate(i, j, k) + (1 - space%upper(i, j, k, a))*shear(1)**2 + space%upper(i, j, k, a)*shear(2)**2
             end do
           end do
@@ -197,6 +200,8 @@ contains
             x = i + s(1)
             if ((space%area(i, j, k, a) > 0.0_wp) .neqv. (space%area(x, y, z, a) > 0.0_wp)) then
               slope(i, j, k) = space%nearness(x, y, z, a)*u(x, y, z, a) - space%nearness(i, j, k, a)*u(i, j, k, a)
+              if (allocated(space%slide)) slope(i, j, k) = slope(i, j, k) &
+                - (space%nearness(x, y, z, a)*space%slide(x, y, z, a) - space%nearness(i, j, k, a)*space%slide(i, j, k, a))
             else
               part = 0.5_wp*(space%area(i, j, k, b) + space%area(i + e(1), j + e(2), k + e(3), b))
               if (part > 0.0_wp) slope(i, j, k) = slope(i, j, k)*space%bridge(i, j, k, b, a)/part

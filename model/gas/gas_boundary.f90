@@ -1,4 +1,4 @@
-!> What happens on the surface of the domain, face of a cell by face of a cell, and at walls through which gas comes.
+!> What happens on the surface of the domain, face of a cell by face of a cell, and at the walls within it that records name.
 !>
 !> A face belongs to the record whose box holds its centre; faces of no record are no-slip walls.
 module gas_boundary
@@ -8,11 +8,11 @@ module gas_boundary
   use gas_settings, only: gas_settings_t
   use inflow_ramp, only: inflow_ramp_t
   use inflow_speed, only: superficial, strength
+  use inner_walls, only: inner_walls_t, find_inner_walls
   use kinds, only: wp
   use mesh, only: mesh_t
   use open_space, only: open_space_t
   use outcome, only: outcome_t, exit_input
-  use wall_inflow, only: wall_inflow_t, find_wall_inflow
   implicit none
   private
   public :: gas_boundary_t, new_gas_boundary, set_inflow
@@ -34,8 +34,8 @@ module gas_boundary
 
   type :: gas_boundary_t
     type(side_t) :: side(2, 3)      !< (low or high, direction)
-    type(wall_inflow_t), allocatable :: walls  !< within the domain, if gas comes through any
-    logical :: any_open = .false.   !< some face of the domain is open
+    type(inner_walls_t), allocatable :: walls  !< within the domain, if records name any
+    logical :: any_open = .false.   !< some face of the domain is open, or some wall within it
     logical :: open_across(3) = .false.  !< some face across this direction is open
     real(wp) :: inflow = 0.0_wp     !< volume flow into the domain through all inflow faces [m3/s]
     type(inflow_ramp_t), allocatable, private :: ramp(:)  !< (records), only if any inflow changes
@@ -55,7 +55,7 @@ contains
     type(open_space_t), intent(in), optional :: space  !< that walls leave
 
     real(wp) :: area(size(records)), shaped(size(records)), speed(size(records))
-    integer :: a, end, m, overlap
+    integer :: a, end, overlap
 
     area = 0.0_wp
     shaped = 0.0_wp
@@ -72,8 +72,8 @@ contains
     end do
     if (any(records%surface == 'walls') .and. present(space)) then
       allocate (boundary%walls)
-      call find_wall_inflow(boxes, mesh, records, space, boundary%walls, overlap)
-      area = area + [(sum(boundary%walls%area, boundary%walls%record == m), m=1, size(records))]
+      call find_inner_walls(boxes, mesh, records, space, boundary%walls, overlap)
+      area = area + boundary%walls%areas(size(records))
     end if
     area = boxes%comm%sum(area)
     shaped = boxes%comm%sum(shaped)
@@ -81,7 +81,8 @@ contains
     speed = superficial(records, area, shaped, settings%density)
     boundary%inflow = sum(speed*area)
     call settle_sides(boxes, records, strength(records, speed, area, shaped), settings%pressure, boundary)
-    if (allocated(boundary%walls)) call boundary%walls%settle(speed)
+    boundary%any_open = any(records%kind == 'outflow' .and. area > 0.0_wp)
+    if (allocated(boundary%walls)) call boundary%walls%settle(records, speed, settings%pressure)
     call prepare_ramps(records, speed*area, boundary)
     if (boundary%inflow > 0.0_wp .and. .not. boundary%any_open .and. settings%density_law == 'constant') then
       call outcome%fail(exit_input, 'gas flows in but no &boundary is an outflow: an incompressible gas needs one')
@@ -236,7 +237,6 @@ contains
       end do
       boundary%open_across(a) = boxes%comm%any_of(boundary%open_across(a))
     end do
-    boundary%any_open = any(boundary%open_across)
   end subroutine settle_sides
 
   pure subroutine settle_side(records, factor, reference, side)

@@ -28,7 +28,7 @@ module gas_density
   use boundary_settings, only: boundary_settings_t
   use constants, only: is_set
   use gas_settings, only: gas_settings_t, compressibility
-  use gas_state, only: gas_state_t, find_density, unit_step
+  use gas_state, only: gas_state_t, find_density, set_vents, unit_step, vents
   use kinds, only: wp
   implicit none
   private
@@ -81,10 +81,11 @@ contains
       end do
     end associate
     call state%halo%exchange(state%pressure)
+    call set_vents(state)
     call find_density(state)
   end subroutine balance
 
-  !> Mean of g.x over the open faces of all ranks; in a closed domain its value in the middle [m2/s2].
+  !> Mean of g.x over the open faces and walls of all ranks; in a closed domain its value in the middle [m2/s2].
   function open_level(state, gravity) result(level)
     class(gas_state_t), intent(in) :: state
     real(wp), intent(in) :: gravity(3)
@@ -112,10 +113,29 @@ contains
         end do
       end do
     end do
+    if (vents(state)) call add_vents(state, gravity, sums)
     sums = state%boxes%comm%sum(sums)
     level = 0.5_wp*dot_product(gravity, state%mesh%lower + state%mesh%upper)
     if (sums(2) > 0.0_wp) level = sums(1)/sums(2)
   end function open_level
+
+  !> The cells whose walls are outflows.
+  pure subroutine add_vents(state, gravity, sums)
+    class(gas_state_t), intent(in) :: state
+    real(wp), intent(in) :: gravity(3)
+    real(wp), intent(inout) :: sums(2)
+
+    integer :: i, j, k
+
+    do k = 1, state%boxes%n(3)
+      do j = 1, state%boxes%n(2)
+        do i = 1, state%boxes%n(1)
+          if (.not. state%boundary%walls%vents(i, j, k)) cycle
+          sums = sums + [dot_product(gravity, state%mesh%in_metres(state%boxes%lo + [i, j, k] - 1.5_wp)), 1.0_wp]
+        end do
+      end do
+    end do
+  end subroutine add_vents
 
   !> The density at the start of a step; after the passages and the given velocities.
   subroutine begin_density(state, dt)
@@ -156,6 +176,7 @@ contains
         *(state%eps(1:n(1), 1:n(2), 1:n(3))*ideal%compressibility &
             *(state%pressure(1:n(1), 1:n(2), 1:n(3)) - state%pressure_before(1:n(1), 1:n(2), 1:n(3))) &
           + (state%eps(1:n(1), 1:n(2), 1:n(3)) - state%eps_old(1:n(1), 1:n(2), 1:n(3)))*ideal%old(1:n(1), 1:n(2), 1:n(3)))
+      if (allocated(state%seep)) state%storage = state%storage - state%seep(1:n(1), 1:n(2), 1:n(3))
     end associate
   end subroutine follow_pressure
 

@@ -84,7 +84,7 @@ contains
     end associate
   end subroutine level_parts
 
-  !> Which parts have an open face on the surface of the domain, and into which gas flows.
+  !> Which parts have an outflow, and into which gas flows.
   subroutine find_ways(boxes, boundary, space, parts, drained, fed)
     type(boxes_t), intent(in) :: boxes
     type(gas_boundary_t), intent(in) :: boundary
@@ -120,7 +120,11 @@ contains
     if (allocated(boundary%walls)) then
       do p = 1, parts%n
         associate (n => boxes%n)
-          if (any(parts%part(1:n(1), 1:n(2), 1:n(3)) == p .and. boundary%walls%record > 0)) ways(2, p) = 1.0_wp
+          associate (inside => parts%part(1:n(1), 1:n(2), 1:n(3)) == p, walls => boundary%walls)
+            if (any(inside .and. walls%nominal > 0.0_wp)) ways(2, p) = 1.0_wp
+            if (.not. allocated(walls%vents)) cycle
+            if (any(inside .and. walls%vents(1:n(1), 1:n(2), 1:n(3)))) ways(1, p) = 1.0_wp
+          end associate
         end associate
       end do
     end if

@@ -18,12 +18,12 @@ module gas_state
   use kinds, only: wp
   use mesh, only: mesh_t
   use momentum_solver, only: stencil_t, momentum_solver_t
-  use open_space, only: open_space_t
+  use open_space, only: open_space_t, let_slip
   use outcome, only: outcome_t
   use pressure_solver, only: pressure_solver_t
   implicit none
   private
-  public :: gas_state_t, gas_report_t, wall_t, spacing_t, create_state, find_density, unit_step, viscous_eps
+  public :: gas_state_t, gas_report_t, wall_t, spacing_t, create_state, set_vents, vents, find_density, unit_step, viscous_eps
 
   !> What the last step did. Mass flows are means over the step, over all ranks.
   type :: gas_report_t
@@ -116,6 +116,7 @@ module gas_state
     real(wp), allocatable :: volume(:,:,:)          !< of cells, as far as they are open; of closed ones all of it [m3]
     real(wp), allocatable :: passage(:,:,:,:)       !< void fraction times area of faces [m2]
     real(wp), allocatable :: seep(:,:,:)            !< mass flow into cells through their walls [kg/s]; exists if there is any
+    real(wp) :: vented = 0.0_wp                     !< and out of those of my cells whose walls are outflows [kg/s]
     real(wp), allocatable :: storage(:,:,:)         !< growth of the gas mass of cells in the step, less seep [kg/s]
     real(wp), allocatable :: flux(:,:,:,:)          !< mass flow through faces [kg/s]
     real(wp), allocatable :: fixed(:,:,:,:)         !< diagonal without neighbours: inertia, drag, wall friction [kg/s]
@@ -173,17 +174,41 @@ contains
     do a = 1, 3
       state%velocity(:, :, :, a) = settings%velocity(a)*state%free(:, :, :, a)
     end do
+    if (allocated(state%space)) call let_slide(state)
     state%pressure = settings%pressure
     call set_outer_pressure(state)
+    call set_vents(state)
     if (settings%density_law == 'ideal') state%levels = free_levels_t()  ! its density gives it one
     if (allocated(state%space)) then
       call state%solver%create(boxes, state%levels, state%space%closed)
+      if (vents(state)) call state%solver%hold(state%boundary%walls%vents)
     else
       call state%solver%create(boxes, state%levels)
     end if
   end subroutine create_state
 
-  !> Leave to the gas what is open. The box of the domain is wall as far as its faces are open.
+  !> Whether gas leaves through walls within the domain, of any rank.
+  pure function vents(state)
+    class(gas_state_t), intent(in) :: state
+    logical :: vents
+
+    vents = allocated(state%boundary%walls)
+    if (vents) vents = allocated(state%boundary%walls%vents)
+  end function vents
+
+  !> The pressure given where gas leaves through walls.
+  subroutine set_vents(state)
+    class(gas_state_t), intent(inout) :: state
+
+    if (.not. vents(state)) return
+    associate (n => state%boxes%n, walls => state%boundary%walls)
+      where (walls%vents(1:n(1), 1:n(2), 1:n(3))) state%pressure(1:n(1), 1:n(2), 1:n(3)) = walls%pressure
+    end associate
+    call state%halo%exchange(state%pressure)
+  end subroutine set_vents
+
+  !> Leave to the gas what is open. The box of the domain is wall as far as its faces are open. The velocity on closed faces is that
+  !> of the wall, where it moves: the limiter sees it.
   subroutine narrow(state)
     class(gas_state_t), intent(inout) :: state
 
@@ -191,6 +216,9 @@ contains
 
     where (state%space%volume > 0.0_wp) state%volume = state%space%volume*state%volume
     where (.not. state%space%area > 0.0_wp) state%free = 0.0_wp
+    if (allocated(state%boundary%walls)) then
+      if (allocated(state%boundary%walls%slips)) call let_slip(state%boxes, state%boundary%walls%slips, state%space)
+    end if
     do a = 1, 3
       do end = 1, 2
         associate (side => state%boundary%side(end, a), space => state%space)
@@ -204,6 +232,15 @@ contains
       end do
     end do
   end subroutine narrow
+
+  !> Give closed faces the velocity of the wall beside them.
+  subroutine let_slide(state)
+    class(gas_state_t), intent(inout) :: state
+
+    if (.not. allocated(state%space%slide)) return
+    where (.not. state%space%area > 0.0_wp) state%velocity = state%space%slide
+    call state%halo%exchange_many(state%velocity)
+  end subroutine let_slide
 
   subroutine allocate_fields(state, n)
     class(gas_state_t), intent(inout) :: state
@@ -229,7 +266,9 @@ contains
     allocate (state%velocity_before, source=state%velocity)
     allocate (state%imbalance(n(1), n(2), n(3)), source=0.0_wp)
     allocate (state%storage, source=state%imbalance)
-    if (allocated(state%boundary%walls)) allocate (state%seep, source=state%eps)
+    if (allocated(state%boundary%walls)) then
+      if (state%boundary%walls%feed) allocate (state%seep, source=state%eps)
+    end if
     state%eps(1:n(1), 1:n(2), 1:n(3)) = 1.0_wp
     call state%halo%exchange(state%eps)
     allocate (state%eps_old, source=state%eps)

@@ -49,6 +49,7 @@ contains
               + (excess(1)*forces(i, j, k, 1) + excess(2)*forces(x, y, z, 1))
             state%source(i, j, k, a) = state%source(i, j, k, a) + state%density*state%gravity(a)*weight &
               + (excess(1)*forces(i, j, k, 1 + a) + excess(2)*forces(x, y, z, 1 + a))
+            if (allocated(space%slide)) state%source(i, j, k, a) = state%source(i, j, k, a) + friction*space%slide(i, j, k, a)
           end do
         end do
       end do
@@ -94,7 +95,7 @@ contains
     real(wp) :: velocity
 
     integer :: x(3), e(3), b
-    real(wp) :: facing
+    real(wp) :: facing, density
 
     velocity = 0.0_wp
     x = cell
@@ -104,8 +105,10 @@ contains
     do b = 1, 3
       if (b /= a) facing = facing*state%spacing(b)%width(x(b))
     end do
+    density = state%density
+    if (allocated(state%ideal)) density = state%ideal%density(x(1), x(2), x(3))
     velocity = state%seep(x(1), x(2), x(3))*facing &
-      /(state%density*state%eps(x(1), x(2), x(3))*state%space%wall(x(1), x(2), x(3))**2)
+      /(density*state%eps(x(1), x(2), x(3))*state%space%wall(x(1), x(2), x(3))**2)
   end function seeping
 
   !> Add to rows that are otherwise complete what the stress between flows is more than that of their middles.
@@ -113,8 +116,8 @@ contains
     class(gas_state_t), intent(inout) :: state
     integer, intent(in) :: a
 
-    real(wp) :: more(2)
-    integer :: m, x(3)
+    real(wp) :: more(2), wall
+    integer :: m, x(3), y(3)
 
     associate (s => state%stencil(a))
       do m = 1, size(state%space%tilts)
@@ -122,14 +125,19 @@ contains
           if (tilt%a /= a) cycle
           more = tilt%more*ease(state, tilt)
           x = tilt%face
+          y = x + unit_step(tilt%b)
+          wall = 0.0_wp
+          if (allocated(state%space%slide)) wall = more(1)*state%space%slide(x(1), x(2), x(3), a) &
+                                                   - more(2)*state%space%slide(y(1), y(2), y(3), a)
           if (all(x >= s%lo .and. x <= s%n)) then
             s%centre(x(1), x(2), x(3)) = s%centre(x(1), x(2), x(3)) + more(1)
             s%high(x(1), tilt%b, x(2), x(3)) = s%high(x(1), tilt%b, x(2), x(3)) + more(2)
+            s%rhs(x(1), x(2), x(3)) = s%rhs(x(1), x(2), x(3)) + wall
           end if
-          x = tilt%face + unit_step(tilt%b)
-          if (all(x >= s%lo .and. x <= s%n)) then
-            s%centre(x(1), x(2), x(3)) = s%centre(x(1), x(2), x(3)) + more(2)
-            s%low(x(1), tilt%b, x(2), x(3)) = s%low(x(1), tilt%b, x(2), x(3)) + more(1)
+          if (all(y >= s%lo .and. y <= s%n)) then
+            s%centre(y(1), y(2), y(3)) = s%centre(y(1), y(2), y(3)) + more(2)
+            s%low(y(1), tilt%b, y(2), y(3)) = s%low(y(1), tilt%b, y(2), y(3)) + more(1)
+            s%rhs(y(1), y(2), y(3)) = s%rhs(y(1), y(2), y(3)) - wall
           end if
         end associate
       end do

@@ -8,7 +8,7 @@
 !> equation it gives sum over faces of c (p' - p'_beyond) = -imbalance with c = rho a d. The density of an ideal gas grows
 !> with p': see gas_density.
 module pressure_correction
-  use gas_state, only: gas_state_t, unit_step
+  use gas_state, only: gas_state_t, unit_step, vents
   use kinds, only: wp
   use momentum_cells, only: continue_across
   implicit none
@@ -34,10 +34,30 @@ contains
         *(state%eps(1:n(1), 1:n(2), 1:n(3)) - state%eps_old(1:n(1), 1:n(2), 1:n(3)))
       if (.not. allocated(state%seep)) return
       state%seep(1:n(1), 1:n(2), 1:n(3)) = state%density*state%boundary%walls%area*state%boundary%walls%flow
+      if (allocated(state%ideal)) call heed_density(state)
       state%storage = state%storage - state%seep(1:n(1), 1:n(2), 1:n(3))
     end associate
     call state%halo%exchange(state%seep)
   end subroutine prepare_faces
+
+  !> Where the velocity of what comes in through a wall is given, not its mass flow, its density is that of the cell when the step
+  !> begins.
+  pure subroutine heed_density(state)
+    class(gas_state_t), intent(inout) :: state
+
+    integer :: i, j, k
+
+    associate (n => state%boxes%n, ideal => state%ideal, record => state%boundary%walls%record)
+      do k = 1, n(3)
+        do j = 1, n(2)
+          do i = 1, n(1)
+            if (ideal%by_mass(record(i, j, k))) cycle
+            state%seep(i, j, k) = state%seep(i, j, k)*ideal%density(i, j, k)/state%density
+          end do
+        end do
+      end do
+    end associate
+  end subroutine heed_density
 
   !> The void fraction of a face lies on the straight line between those of its two cells.
   subroutine set_passages(state, a)
@@ -181,8 +201,23 @@ contains
         end do
       end do
     end associate
+    if (vents(state)) call let_out(state, total)
     total = state%boxes%comm%sum(total)
   end function find_imbalance
+
+  !> What cells lose through walls that are outflows is no imbalance.
+  subroutine let_out(state, total)
+    class(gas_state_t), intent(inout) :: state
+    real(wp), intent(out) :: total  !< what is left, see find_imbalance
+
+    associate (n => state%boxes%n)
+      associate (out => state%boundary%walls%vents(1:n(1), 1:n(2), 1:n(3)))
+        state%vented = -sum(state%imbalance, out)
+        where (out) state%imbalance = 0.0_wp
+      end associate
+    end associate
+    total = sum(abs(state%imbalance))
+  end subroutine let_out
 
   !> Solve for the pressure that takes the imbalance away, all but the part `reduction`, and apply it.
   subroutine correct(state, reduction)
@@ -218,7 +253,8 @@ contains
   !> p + p' - mu div(eps u)/eps with the divergence that the correction takes away: the viscous stress of the velocity
   !> change, which the mobilities leave out, is a pressure too. Without it a step much longer than the viscous time of
   !> a cell takes tens of iterations (Cahouet and Chabard, Int. J. Numer. Meth. Fluids 8 (1988) 869; Guermond and Shen,
-  !> Math. Comput. 73 (2004) 1719, eq. 3.6).
+  !> Math. Comput. 73 (2004) 1719, eq. 3.6). The imbalance of a cell that a wall cuts counts as if spread over the whole cell: over
+  !> its open part it would be too much of a divergence, and the iterations may not end.
   subroutine add_correction(state)
     class(gas_state_t), intent(inout) :: state
 
@@ -227,6 +263,7 @@ contains
 
     scale = state%viscosity/state%density
     associate (n => state%boxes%n, p => state%correction)
+      if (allocated(state%space)) state%imbalance = state%space%volume(1:n(1), 1:n(2), 1:n(3))*state%imbalance
       do k = 1, n(3)
         do j = 1, n(2)
           do i = 1, n(1)

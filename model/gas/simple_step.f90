@@ -9,7 +9,7 @@ module simple_step
   use eddy_viscosity, only: find_eddies
   use gas_boundary, only: set_inflow
   use gas_density, only: begin_density, follow_pressure, heed_round_off, pressed_flow
-  use gas_state, only: gas_state_t, gas_report_t, find_density, unit_step
+  use gas_state, only: gas_state_t, gas_report_t, find_density, unit_step, vents
   use kinds, only: wp
   use momentum, only: prepare_momentum, assemble_momentum
   use momentum_cells, only: fill_beyond
@@ -243,6 +243,7 @@ contains
       end do
       sums(3) = sum(state%storage)
       if (allocated(state%seep)) sums = sums + [1, 0, 1]*sum(state%seep(1:n(1), 1:n(2), 1:n(3)))
+      if (vents(state)) sums(2) = sums(2) + state%vented
       sums = state%boxes%comm%sum(sums)
       report%inflow = sums(1)
       report%outflow = sums(2)

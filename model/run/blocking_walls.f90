@@ -29,6 +29,8 @@ module blocking_walls
     real(wp) :: reach = 0.0_wp                  !< beyond which distances from meshes do not matter [m]
   contains
     procedure :: at
+    procedure :: moves
+    procedure :: velocity
     procedure :: meet_alike
   end type blocking_walls_t
 
@@ -110,6 +112,49 @@ contains
     end do
   end function at
 
+  !> See level.
+  pure function moves(self)
+    class(blocking_walls_t), intent(in) :: self
+    logical :: moves
+
+    integer :: m
+
+    moves = .not. all([(self%planes(m)%motion%is_still(), m=1, size(self%planes)), &
+                       (self%shells(m)%motion%is_still(), m=1, size(self%shells)), &
+                       (self%meshes(m)%motion%is_still(), m=1, size(self%meshes))])
+  end function moves
+
+  !> See level. The cap of a shell turns with it.
+  pure function velocity(self, x)
+    class(blocking_walls_t), intent(in) :: self
+    real(wp), intent(in) :: x(3)  !< [m]
+    real(wp) :: velocity(3)
+
+    real(wp) :: distance, nearest, way(3), foot(3)
+    integer :: m, end
+
+    velocity = 0.0_wp
+    nearest = huge(1.0_wp)
+    do m = 1, size(self%planes)
+      distance = self%planes(m)%distance(x)
+      if (distance < nearest) velocity = self%planes(m)%motion%at(x - distance*self%planes(m)%normal)
+      nearest = min(nearest, distance)
+    end do
+    do m = 1, size(self%shells)
+      distance = way_off(self%shells(m), self%shell_side(m), self%goes_on(:, m), x)
+      if (.not. distance < nearest) cycle
+      nearest = distance
+      call self%shells(m)%approach(x, way, distance, end)
+      velocity = self%shells(m)%motion%at(merge(x - way, x, end == 0))
+    end do
+    do m = 1, size(self%meshes)
+      call find_depth(self%meshes(m), self%bodies(m), self%reach, x, distance, foot)
+      if (.not. self%mesh_side(m)*distance < nearest) cycle
+      nearest = self%mesh_side(m)*distance
+      velocity = self%meshes(m)%motion%at(foot)
+    end do
+  end function velocity
+
   !> Whether the gas is on the same parts of the two faces across a, which are joined: at the corners of all cells that are
   !> not close to a wall.
   pure function meet_alike(self, mesh, a) result(alike)
@@ -167,10 +212,22 @@ contains
     real(wp), intent(in) :: reach, x(3)  !< [m]
     real(wp) :: depth
 
+    real(wp) :: foot(3)
+
+    call find_depth(mesh, body, reach, x, depth, foot)
+  end function depth_in
+
+  !> The same, and the nearest point of the mesh, or x if none is in reach.
+  pure subroutine find_depth(mesh, body, reach, x, depth, foot)
+    type(mesh_wall_t), intent(in) :: mesh, body
+    real(wp), intent(in) :: reach, x(3)   !< [m]
+    real(wp), intent(out) :: depth, foot(3)  !< [m]
+
     integer :: lo(3), hi(3), i, j, k, cell, t, bearers(2)
     real(wp) :: way(3), distance
 
     depth = reach
+    foot = x
     call mesh%grid%range_of(x - reach, x + reach, lo, hi)
     do k = lo(3), hi(3)
       do j = lo(2), hi(2)
@@ -179,13 +236,14 @@ contains
           do t = mesh%grid%first(cell), mesh%grid%first(cell + 1) - 1
             if (mesh%is_apart(mesh%grid%triangle(t), x, depth)) cycle
             call mesh%approach(mesh%grid%triangle(t), x, way, distance, bearers)
+            if (distance < depth) foot = x - way
             depth = min(depth, distance)
           end do
         end do
       end do
     end do
     if (.not. is_within(body, x)) depth = -depth
-  end function depth_in
+  end subroutine find_depth
 
   !> Whether a point is within a closed mesh: a ray up from it goes through an odd number of triangles. It starts a little beside
   !> the point, as grids are often in line with walls, whose triangles would be seen from their edges.

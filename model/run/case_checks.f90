@@ -122,14 +122,15 @@ contains
     type(case_t), intent(in) :: case
     type(keys_t), intent(inout) :: keys
 
-    integer :: i, j, side
+    integer :: i, j, side, w
     logical :: on(6, size(case%boundaries))
 
     on = .false.
     do i = 1, size(case%boundaries)
       if (.not. has_box(case%boundaries(i)%lower, case%boundaries(i)%upper)) cycle
       if (case%boundaries(i)%surface == 'walls') then
-        call check_wall_inflow(case, i, keys)
+        call keys%require_at(any([(case%walls(w)%blocks_gas(), w=1, size(case%walls))]), 'boundary', i, 'surface', &
+                             'no &wall blocks the gas: give one a gas_side')
         cycle
       end if
       on(:, i) = [(is_on_side(case, case%boundaries(i), side), side=1, 6)]
@@ -148,20 +149,6 @@ contains
       end do
     end do
   end subroutine check_regions
-
-  !> Through walls within the domain comes a gas of constant density.
-  subroutine check_wall_inflow(case, i, keys)
-    type(case_t), intent(in) :: case
-    integer, intent(in) :: i
-    type(keys_t), intent(inout) :: keys
-
-    integer :: w
-
-    call keys%require_at(any([(case%walls(w)%blocks_gas(), w=1, size(case%walls))]), 'boundary', i, 'surface', &
-                         'no &wall blocks the gas: give one a gas_side')
-    call keys%require_at(case%gas%density_law == 'constant', 'boundary', i, 'surface', &
-                         'through walls comes only a gas of constant density')
-  end subroutine check_wall_inflow
 
   !> A wall of the gas moves along itself, and where there are parcels they feel walls of their own.
   subroutine check_moving_wall(case, i, on, keys)

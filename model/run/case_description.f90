@@ -92,7 +92,8 @@ contains
       associate (region => case%boundaries(i))
         text = trim(region%id)//':'
         if (case%with_gas) text = text//' '//trim(region%kind)
-        if (region%surface == 'walls') text = text//' through walls within the domain'
+        if (region%surface == 'walls') text = text//trim(merge(' along  ', ' through', index(region%kind, 'slip') > 0)) &
+                                              //' walls within the domain'
         if (is_set(region%velocity)) text = text//' at '//shown(region%velocity)//' m/s'
         if (is_set(region%mass_flow)) text = text//' of '//shown(region%mass_flow)//' kg/s'
         if (is_set(region%volume_flow)) text = text//' of '//shown(region%volume_flow)//' m3/s'

@@ -9,6 +9,8 @@ module level
   type, abstract :: level_t
   contains
     procedure(level_at), deferred :: at
+    procedure(level_moves), deferred :: moves
+    procedure(level_velocity), deferred :: velocity
   end type level_t
 
   abstract interface
@@ -21,6 +23,23 @@ module level
       real(wp), intent(in) :: x(3)  !< [m]
       real(wp) :: distance
     end function level_at
+
+    !> Whether the surface of any wall does, along itself.
+    pure function level_moves(self) result(moves)
+      import :: level_t
+      implicit none
+      class(level_t), intent(in) :: self
+      logical :: moves
+    end function level_moves
+
+    !> That of the surface of the nearest wall, where it is nearest to a point [m/s].
+    pure function level_velocity(self, x) result(velocity)
+      import :: level_t, wp
+      implicit none
+      class(level_t), intent(in) :: self
+      real(wp), intent(in) :: x(3)  !< [m]
+      real(wp) :: velocity(3)
+    end function level_velocity
   end interface
 
 end module level

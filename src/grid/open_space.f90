@@ -16,17 +16,18 @@ module open_space
   use open_shares, only: find_cell, upper_face, measure_cell, measure_face
   implicit none
   private
-  public :: open_space_t, tilt_t, new_open_space, least_open
+  public :: open_space_t, tilt_t, new_open_space, let_slip, least_open
 
   real(wp), parameter :: least_open = 0.05_wp  !< of a cell: with less it is closed [-]
+  real(wp), parameter :: least_wall = 1.0e-9_wp  !< in a cell, over its largest face: less is round-off [-]
   real(wp), parameter :: nearest = 0.05_wp     !< least distance of a flow from its wall, over the thinnest cell [-]
   real(wp), parameter :: closest = 0.25_wp     !< least distance of two flows, over that of their cells [-]
 
   real(wp), parameter :: steepest = 3.0_wp     !< most by which a flow is more beside its middle than in it [-]
 
   !> The flows through two faces across a, one behind the other along b, whose middles are not level with that of the surface
-  !> between them. A flow grows in proportion to the distance from the wall, so what it is beside its middle is
-  !> known: its viscous stress there is that of (1 + more) u.
+  !> between them. The velocity relative to the wall grows in proportion to the distance from it, so what it is beside the
+  !> middle is known: its viscous stress there is that of (1 + more) u.
   type :: tilt_t
     integer :: a, b
     integer :: face(3)    !< the lower of the two
@@ -38,6 +39,7 @@ module open_space
     real(wp), allocatable :: area(:,:,:,:)      !< (face, a) open part of faces [-]
     real(wp), allocatable :: wall(:,:,:)        !< in cells [m2]
     real(wp), allocatable :: nearness(:,:,:,:)  !< (face, a) 1 over the distance of the flow through a face from the wall [1/m]
+    real(wp), allocatable :: slide(:,:,:,:)     !< (face, a) component a of the velocity of that wall [m/s]; only if any moves
     real(wp), allocatable :: upper(:,:,:,:)     !< (cell, a) share of the upper face across a in what acts on a cell's gas [-]
     real(wp), allocatable :: bridge(:,:,:,:,:)  !< (face, b, a) viscous area over distance between the flows through a face
                                                 !< across a and the next one along b, over the same without walls [-]
@@ -208,7 +210,7 @@ contains
     space%first_open = cell + 1
   end subroutine find_first
 
-  !> The walls in cells, by (1), how near they are, and how a cell's two faces share.
+  !> The walls in cells, by (1), how near they are and how they move, and how a cell's two faces share.
   pure subroutine find_walls(boxes, mesh, walls, offset, space)
     type(boxes_t), intent(in) :: boxes
     type(mesh_t), intent(in) :: mesh
@@ -216,12 +218,13 @@ contains
     real(wp), intent(in) :: offset(:, -1:, -1:, -1:, :)
     type(open_space_t), intent(inout) :: space
 
-    real(wp) :: corner(3), h(3), pair(2), facing(3)
+    real(wp) :: corner(3), h(3), pair(2), facing(3), x(3), velocity(3)
     integer :: a, i, j, k, e(3), n(3)
 
     n = boxes%n
     allocate (space%wall(-1:n(1) + 2, -1:n(2) + 2, -1:n(3) + 2), source=0.0_wp)
     allocate (space%nearness(-1:n(1) + 2, -1:n(2) + 2, -1:n(3) + 2, 3), source=0.0_wp)
+    if (walls%moves()) allocate (space%slide, source=space%nearness)
     do k = 0, n(3) + 1
       do j = 0, n(2) + 1
         do i = 0, n(1) + 1
@@ -233,7 +236,7 @@ contains
             facing(a) = (pair(2) - pair(1))*product(h)/h(a)
             if (sum(pair) > 0.0_wp) space%upper(i, j, k, a) = pair(2)/sum(pair)
           end do
-          space%wall(i, j, k) = norm2(facing)
+          if (norm2(facing) > least_wall*maxval(product(h)/h)) space%wall(i, j, k) = norm2(facing)
         end do
       end do
     end do
@@ -244,7 +247,11 @@ contains
         do j = 0, n(2)
           do i = 0, n(1)
             if (.not. space%wall(i, j, k) + space%wall(i + e(1), j + e(2), k + e(3)) > 0.0_wp) cycle
-            space%nearness(i, j, k, a) = 1/distance_at(boxes, mesh, walls, [i, j, k], a, offset(:, i, j, k, a))
+            x = place_in(boxes, mesh, [i, j, k], a, offset(:, i, j, k, a))
+            space%nearness(i, j, k, a) = 1/distance_at(boxes, mesh, walls, [i, j, k], x)
+            if (.not. allocated(space%slide)) cycle
+            velocity = walls%velocity(x)
+            space%slide(i, j, k, a) = velocity(a)
           end do
         end do
       end do
@@ -288,22 +295,73 @@ contains
     end do
   end subroutine find_bridges
 
-  !> Distance of a point of a face across a from the walls [m].
-  pure function distance_at(boxes, mesh, walls, face, a, offset) result(distance)
+  !> A point of a face across a [m].
+  pure function place_in(boxes, mesh, face, a, offset) result(x)
+    type(boxes_t), intent(in) :: boxes
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: face(3), a
+    real(wp), intent(in) :: offset(3)  !< from its middle [m]
+    real(wp) :: x(3)
+
+    real(wp) :: corner(3), h(3)
+
+    call find_cell(boxes, mesh, face, corner, h)
+    x = corner + 0.5_wp*h + offset
+    x(a) = upper_face(boxes, mesh, face, a)
+  end function place_in
+
+  !> Distance of a point of a face from the walls [m].
+  pure function distance_at(boxes, mesh, walls, face, x) result(distance)
     type(boxes_t), intent(in) :: boxes
     type(mesh_t), intent(in) :: mesh
     class(level_t), intent(in) :: walls
-    integer, intent(in) :: face(3), a
-    real(wp), intent(in) :: offset(3)  !< from its middle [m]
+    integer, intent(in) :: face(3)
+    real(wp), intent(in) :: x(3)  !< [m]
     real(wp) :: distance
 
     real(wp) :: corner(3), h(3)
 
     call find_cell(boxes, mesh, face, corner, h)
-    corner = corner + 0.5_wp*h + offset
-    corner(a) = upper_face(boxes, mesh, face, a)
-    distance = max(walls%at(corner), nearest*minval(h))
+    distance = max(walls%at(x), nearest*minval(h))
   end function distance_at
+
+  !> Let the gas slip along the walls of some cells: a flow beside them is as near to walls as those on which it sticks make it.
+  pure subroutine let_slip(boxes, slips, space)
+    type(boxes_t), intent(in) :: boxes
+    logical, intent(in) :: slips(0:, 0:, 0:)  !< (0:n1+1,0:n2+1,0:n3+1)
+    type(open_space_t), intent(inout) :: space
+
+    real(wp) :: grip(0:boxes%n(1) + 1, 0:boxes%n(2) + 1, 0:boxes%n(3) + 1, 3), wall(2)
+    integer :: a, i, j, k, e(3), n(3), m, x(3)
+
+    n = boxes%n
+    grip = 1.0_wp
+    do a = 1, 3
+      e = 0
+      e(a) = 1
+      do k = 0, n(3) + 1 - e(3)
+        do j = 0, n(2) + 1 - e(2)
+          do i = 0, n(1) + 1 - e(1)
+            x = [i, j, k] + e
+            if (.not. (slips(i, j, k) .or. slips(x(1), x(2), x(3)))) cycle
+            wall = [space%upper(i, j, k, a), 1 - space%upper(x(1), x(2), x(3), a)] &
+              *[space%wall(i, j, k), space%wall(x(1), x(2), x(3))]
+            grip(i, j, k, a) = 0.0_wp
+            if (sum(wall) > 0.0_wp) grip(i, j, k, a) = sum(wall, .not. [slips(i, j, k), slips(x(1), x(2), x(3))])/sum(wall)
+          end do
+        end do
+      end do
+    end do
+    space%nearness(0:n(1), 0:n(2), 0:n(3), :) = grip(0:n(1), 0:n(2), 0:n(3), :)*space%nearness(0:n(1), 0:n(2), 0:n(3), :)
+    do m = 1, size(space%tilts)
+      associate (tilt => space%tilts(m))
+        x = tilt%face
+        tilt%more(1) = grip(x(1), x(2), x(3), tilt%a)*tilt%more(1)
+        x(tilt%b) = x(tilt%b) + 1
+        tilt%more(2) = grip(x(1), x(2), x(3), tilt%a)*tilt%more(2)
+      end associate
+    end do
+  end subroutine let_slip
 
   !> See tilt_t.
   pure subroutine find_tilts(boxes, mesh, walls, offset, space)
@@ -352,7 +410,7 @@ contains
     type(open_space_t), intent(in) :: space
     type(tilt_t), intent(inout) :: tilt
 
-    real(wp) :: area(2), place(3), middle(3, 2)
+    real(wp) :: area(2), place(3), middle(3, 2), distance(2)
     integer :: face(3, 2), along, across(3), side
 
     associate (a => tilt%a, b => tilt%b)
@@ -372,9 +430,10 @@ contains
                + area(2)*offset(:, across(1), across(2), across(3), b))/sum(area)
       do side = 1, 2
         if (.not. abs(place(along) - middle(along, side)) > 0.0_wp) cycle
-        tilt%more(side) = 1/distance_at(boxes, mesh, walls, face(:, side), a, middle(:, side))
+        distance(1) = distance_at(boxes, mesh, walls, face(:, side), place_in(boxes, mesh, face(:, side), a, middle(:, side)))
         middle(along, side) = place(along)
-        tilt%more(side) = min(distance_at(boxes, mesh, walls, face(:, side), a, middle(:, side))*tilt%more(side), steepest) - 1
+        distance(2) = distance_at(boxes, mesh, walls, face(:, side), place_in(boxes, mesh, face(:, side), a, middle(:, side)))
+        tilt%more(side) = min(distance(2)/distance(1), steepest) - 1
       end do
     end associate
   end subroutine find_tilt

@@ -26,10 +26,12 @@ module pressure_solver
     logical :: at_high(3)                       !< whether the faces above my last cells are the domain's surface
     type(free_levels_t) :: levels               !< where no pressure is given
     logical, allocatable :: closed(:,:,:)       !< (cells) those without a pressure; exists if there may be any
+    logical, allocatable :: held(:,:,:)         !< (0:n1+1,0:n2+1,0:n3+1) those with p = 0; exists if there may be any
     real(wp), allocatable :: values(:,:,:,:)    !< (4, cells) diagonal; x, y, z upper neighbour
     real(wp), allocatable :: solution(:,:,:)
   contains
     procedure :: create
+    procedure :: hold
     procedure :: set_matrix
     procedure :: solve
     procedure :: destroy
@@ -54,6 +56,14 @@ contains
     call self%hypre%create(boxes%comm%handle%mpi_val, boxes%lo, boxes%hi, &
                            merge(boxes%cells, 0, boxes%periodic .and. boxes%cells > 1))
   end subroutine create
+
+  !> Keep p = 0 in some cells from now on.
+  subroutine hold(self, cells)
+    class(pressure_solver_t), intent(inout) :: self
+    logical, intent(in) :: cells(0:, 0:, 0:)  !< (0:n1+1,0:n2+1,0:n3+1)
+
+    allocate (self%held(0:ubound(cells, 1), 0:ubound(cells, 2), 0:ubound(cells, 3)), source=cells)
+  end subroutine hold
 
   !> Take new coefficients and set multigrid up for them.
   subroutine set_matrix(self, conductance, capacity)
@@ -86,6 +96,7 @@ contains
           end do
         end do
       end do
+      if (allocated(self%held)) call let_go(self, a, e)
     end do
     ! doubling one diagonal draws the level there to 0 and leaves the other equations as they are
     do p = 1, self%levels%n
@@ -99,6 +110,18 @@ contains
     end if
     call self%hypre%set_matrix(self%values)
   end subroutine set_matrix
+
+  !> Held cells have no part in the equations of their neighbours across a.
+  pure subroutine let_go(self, a, e)
+    class(pressure_solver_t), intent(inout) :: self
+    integer, intent(in) :: a, e(3)
+
+    associate (n => self%n, held => self%held)
+      where (held(1:n(1), 1:n(2), 1:n(3)) .or. held(1 + e(1):n(1) + e(1), 1 + e(2):n(2) + e(2), 1 + e(3):n(3) + e(3)))
+        self%values(a + 1, :, :, :) = 0.0_wp
+      end where
+    end associate
+  end subroutine let_go
 
   pure function unit_step(a) result(e)
     integer, intent(in) :: a
@@ -120,6 +143,9 @@ contains
     if (self%levels%n > 0) call self%levels%leave_out_means(self%comm, b)
     if (allocated(self%closed)) then
       where (self%closed) b = 0.0_wp
+    end if
+    if (allocated(self%held)) then
+      where (self%held(1:self%n(1), 1:self%n(2), 1:self%n(3))) b = 0.0_wp
     end if
     call self%hypre%solve(b, reduction, most_iterations, self%solution, iterations)
     p(1:self%n(1), 1:self%n(2), 1:self%n(3)) = self%solution

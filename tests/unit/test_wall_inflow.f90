@@ -7,6 +7,7 @@ program test_wall_inflow
   use constants, only: pi
   use gas, only: gas_t
   use gas_cases, only: scene_t, record, make_gas, set_cells, steps
+  use gas_settings, only: compressibility
   use kinds, only: wp
   use outcome, only: outcome_t
   use pipe_flow, only: pipe
@@ -24,6 +25,8 @@ program test_wall_inflow
   end do
   call porous_pipe()
   call changing()
+  call filling(.true.)
+  call filling(.false.)
   call no_way_out()
   if (comm%is_root()) call finish()
   call stop_ranks()
@@ -198,6 +201,56 @@ contains
     end associate
     call gas%destroy()
   end subroutine changing
+
+  !> An ideal gas into a closed vessel: the mass grows by the mass flow; by velocity times area times the density when the step
+  !> begins, if that is what is given.
+  subroutine filling(by_mass)
+    logical, intent(in) :: by_mass
+
+    real(wp), parameter :: dt = 1.0e-3_wp
+    integer, parameter :: count = 5
+    type(scene_t) :: scene
+    type(gas_t) :: gas
+    type(outcome_t) :: outcome
+    real(wp) :: start, wall, expected, mass
+    logical :: ok
+
+    scene%cells = [10, 12, 10]
+    scene%upper = scene%cells*edge
+    scene%settings%density_law = 'ideal'
+    scene%settings%molar_mass = 0.029_wp
+    scene%settings%temperature = 290.0_wp
+    scene%settings%reference_pressure = 1.0e5_wp
+    scene%settings%density = compressibility(scene%settings)*1.0e5_wp
+    scene%numerics%tolerance = 1.0e-11_wp
+    scene%numerics%maximum_iterations = 100
+    scene%walls = [pipe(0.5_wp*scene%upper, 2, 4.3_wp*edge)]
+    scene%records = [everywhere(scene)]
+    if (by_mass) scene%records(1)%mass_flow = 1.0e-4_wp
+    if (.not. by_mass) scene%records(1)%velocity = 0.1_wp
+    call make_gas(comm, scene, gas, outcome)
+    start = mass_of(gas)
+    wall = comm%sum(sum(gas%boundary%walls%area))
+    ok = steps(gas, count, dt)
+    mass = mass_of(gas)
+    expected = start + count*dt*1.0e-4_wp
+    if (.not. by_mass) expected = start*(1 + dt*0.1_wp*wall/gas%space%open_volume)**count
+    if (comm%is_root()) then
+      call expect(ok .and. mass > 1.05_wp*start, 'a vessel is filled through its wall')
+      call expect_close(mass/expected, 1.0_wp, 1.0e-6_wp, 'by as much as flows in')
+      call expect_close(gas%report%mass_imbalance, o, 1.0e-9_wp, 'and its mass balances')
+    end if
+    call gas%destroy()
+  end subroutine filling
+
+  function mass_of(gas) result(mass)
+    type(gas_t), intent(in) :: gas
+    real(wp) :: mass
+
+    associate (n => gas%boxes%n)
+      mass = comm%sum(sum(gas%volume(1:n(1), 1:n(2), 1:n(3))*gas%ideal%density(1:n(1), 1:n(2), 1:n(3)), .not. gas%space%closed))
+    end associate
+  end function mass_of
 
   !> Gas into a part that no outflow drains, and a box that holds no wall, are mistakes.
   subroutine no_way_out()
