@@ -243,9 +243,9 @@ contains
     do a = 1, 3
       e = 0
       e(a) = 1
-      do k = 0, n(3)
-        do j = 0, n(2)
-          do i = 0, n(1)
+      do k = 0, n(3) + 1 - e(3)
+        do j = 0, n(2) + 1 - e(2)
+          do i = 0, n(1) + 1 - e(1)
             if (.not. space%wall(i, j, k) + space%wall(i + e(1), j + e(2), k + e(3)) > 0.0_wp) cycle
             x = place_in(boxes, mesh, [i, j, k], a, offset(:, i, j, k, a))
             space%nearness(i, j, k, a) = 1/distance_at(boxes, mesh, walls, [i, j, k], x)
@@ -352,7 +352,9 @@ contains
         end do
       end do
     end do
-    space%nearness(0:n(1), 0:n(2), 0:n(3), :) = grip(0:n(1), 0:n(2), 0:n(3), :)*space%nearness(0:n(1), 0:n(2), 0:n(3), :)
+    associate (near => space%nearness(0:n(1) + 1, 0:n(2) + 1, 0:n(3) + 1, :))
+      near = grip*near
+    end associate
     do m = 1, size(space%tilts)
       associate (tilt => space%tilts(m))
         x = tilt%face

@@ -27,6 +27,7 @@ program test_inner_walls
   end do
   call drums()
   call between_cylinders()
+  call running_pipe()
   call slippery_pipe()
   call half_a_channel()
   do a = 1, 3
@@ -243,6 +244,33 @@ contains
 
     rate = spin*inner**2/(outer**2 - inner**2)*(outer**2/r**2 - 1)
   end function rate
+
+  !> A pipe whose surface runs along its axis takes the gas in it along.
+  subroutine running_pipe()
+    real(wp), parameter :: speed = 0.4_wp
+    type(scene_t) :: scene
+    type(gas_t) :: gas
+    type(outcome_t) :: outcome
+    real(wp) :: axis(3), worst
+    logical :: ok
+
+    call round_scene(8, 0.01_wp, scene, axis)
+    scene%numerics%velocity_tolerance = 1.0e-11_wp
+    scene%walls = [pipe(axis, 2, 0.01_wp)]
+    scene%walls(1)%velocity = [o, speed, o]
+    call make_gas(comm, scene, gas, outcome)
+    ok = steps(gas, 4, 100.0_wp)
+    associate (n => gas%boxes%n)
+      worst = maxval(abs(gas%velocity(1:n(1), 1:n(2), 1:n(3), 2) - speed*gas%free(1:n(1), 1:n(2), 1:n(3), 2)), &
+                     gas%free(1:n(1), 1:n(2), 1:n(3), 2) > o)
+    end associate
+    worst = comm%max(worst)
+    if (comm%is_root()) then
+      call expect(ok, 'gas in a pipe that runs converges')
+      call expect_close(worst/speed, o, 1.0e-7_wp, 'and runs with it')
+    end if
+    call gas%destroy()
+  end subroutine running_pipe
 
   !> Nothing holds a gas in a pipe along whose wall it slips: under a pressure drop it runs ever faster.
   subroutine slippery_pipe()
