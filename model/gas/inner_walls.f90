@@ -100,6 +100,7 @@ contains
         if (.not. allocated(self%pressure)) allocate (self%pressure, source=0.0_wp*self%area + reference)
         if (.not. is_set(records(m)%pressure)) cycle
         where (mine(self) == m) self%pressure = records(m)%pressure
+      case default  ! the gas sticks to it
       end select
     end do
     self%nominal = self%flow

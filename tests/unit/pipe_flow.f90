@@ -12,7 +12,7 @@ module pipe_flow
   use wall_settings, only: wall_settings_t
   implicit none
   private
-  public :: pipe, pipe_flow_error, turned_duct_error
+  public :: pipe, round_scene, pipe_flow_error, turned_duct_error
 
   real(wp), parameter :: radius = 0.01_wp, length = 0.02_wp, drop = 2.4_wp
 
@@ -49,6 +49,23 @@ contains
     allocate (scene%records(0))
     axis = [0.5_wp*scene%upper(1) + 0.21_wp*cell, 0.0_wp, 0.5_wp*scene%upper(3) - 0.13_wp*cell]
   end subroutine make_scene
+
+  !> A slice periodic along y, n cells over a width in x and z and one more at either end, of a gas as thick as oil.
+  subroutine round_scene(n, radius, scene, axis)
+    integer, intent(in) :: n
+    real(wp), intent(in) :: radius  !< [m]
+    type(scene_t), intent(out) :: scene
+    real(wp), intent(out) :: axis(3)  !< a point of it [m]
+
+    real(wp) :: h
+
+    h = 2*radius/n
+    scene = flow_scene([n + 2, 3, n + 2]*h, [n + 2, 3, n + 2], [.false., .true., .false.])
+    scene%settings%pressure_drop = 0.0_wp
+    allocate (scene%records(0))
+    scene%numerics%velocity_tolerance = 1.0e-7_wp
+    axis = 0.5_wp*scene%upper + [0.21_wp, 0.0_wp, -0.13_wp]*h
+  end subroutine round_scene
 
   !> The steady volume flow, the largest error of the mass balance over it, and velocities in cells that are not cut.
   subroutine find_flow(comm, scene, axis, flow, imbalance, ok, profile)
