@@ -23,6 +23,7 @@ START = 1.0  # s: means are taken from here on
 LAYERS = 4e-3  # m: height of the layers of the Sauter diameter
 FEWEST = 10  # parcels in a layer for a diameter to mean something
 RUNS = ("dem", "ssw", "ssp")
+VARIANTS = {name: [f"parcels%weighting={name}"] for name in RUNS}
 PARTICLE_DENSITY, GRAVITY = 2500.0, 9.81
 
 

@@ -21,6 +21,9 @@ from results import Parcels  # noqa: E402
 FROUDE = (0.002, 0.01, 0.04, 0.15, 1.5)  # omega^2 R/g
 DIAMETER, RADIUS, GRAVITY, START = 2e-3, 0.03, 9.81, 1.0  # m, m, m/s2, s from which on means are taken
 CELL = 1e-3
+SPEEDS = {froude: float(np.sqrt(froude * GRAVITY / RADIUS)) for froude in FROUDE}  # rad/s
+VARIANTS = {f"froude_{froude:g}": [f"wall({wall})%angular_velocity=0, 0, {speed:.6g}" for wall in ("drum", "front", "back")]
+            for froude, speed in SPEEDS.items()}
 
 
 def density(parcels):
@@ -65,20 +68,16 @@ def covered(middle, field):
 
 
 def main():
-    names = {froude: f"froude_{froude:g}" for froude in FROUDE}
-    speeds = {froude: np.sqrt(froude * GRAVITY / RADIUS) for froude in FROUDE}
-    walls = ("drum", "front", "back")
-    folders = bulk.run_all(HERE, {names[f]: [f"wall({wall})%angular_velocity=0, 0, {speeds[f]:.6g}" for wall in walls] for f in FROUDE},
-                           bulk.program())
+    folders = bulk.run_all(HERE, VARIANTS, bulk.program())
     figure, axes = plt.subplots(1, len(FROUDE) + 1, figsize=(13, 2.5), constrained_layout=True)
     rows, check = [], bulk.Checks()
     for froude, axis in zip(FROUDE, axes, strict=False):
-        parcels = Parcels(folders[names[froude]] / "parcels.vtkhdf")
+        parcels = Parcels(folders[f"froude_{froude:g}"] / "parcels.vtkhdf")
         middle, field = density(parcels)
         height = surface(middle, field)
         share = covered(middle, field)
         slope = angle(middle, height) if share < 0.9 else np.nan
-        rows.append((froude, float(speeds[froude]), slope, share))
+        rows.append((froude, SPEEDS[froude], slope, share))
         position = parcels(-1)["position"]
         axis.scatter(*(1e3 * position[:, :2].T), s=3, color="#1f6fb4", lw=0)
         if np.isfinite(slope):

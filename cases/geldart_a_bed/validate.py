@@ -31,7 +31,7 @@ BUBBLING, EXPANDED = 2, slice(5, 9)  # of the stages
 PACKED = 0.68  # a bed is packed if its pressure drop is a smaller share of its weight; with more it begins to expand
 COHESION = ("contact%cohesion=van_der_waals", "contact%hamaker_constant=2.1e-14", "contact%minimum_separation=2e-6",
             "contact%maximum_separation=20e-6", "contact%cohesion_scaling=bond_number")
-BEDS = {"ssp": ("parcels%weighting=ssp",), "ssw": ("parcels%weighting=ssw",), "cohesive": ("parcels%weighting=ssp", *COHESION)}
+VARIANTS = {"ssp": ("parcels%weighting=ssp",), "ssw": ("parcels%weighting=ssw",), "cohesive": ("parcels%weighting=ssp", *COHESION)}
 COLOURS = {"ssp": "#1f6fb4", "ssw": "#c8502d", "cohesive": "#3c8c40"}
 
 
@@ -134,8 +134,8 @@ def draw_instant(ax, point, name):
 def main():
     program = None if sys.argv[1:] == ["--read"] else bulk.program()
     with ThreadPoolExecutor(os.cpu_count()) as cores:
-        lines = cores.map(lambda name: step_through(HERE, program, HERE / "results" / name, STAGES, measure, BEDS[name]), BEDS)
-        beds = dict(zip(BEDS, lines, strict=True))
+        lines = cores.map(lambda name: step_through(HERE, program, HERE / "results" / name, STAGES, measure, VARIANTS[name]), VARIANTS)
+        beds = dict(zip(VARIANTS, lines, strict=True))
     found, check = {name: find_umf(points) for name, points in beds.items()}, bulk.Checks()
     rows, remarks = [], []
     for name, points in beds.items():

@@ -23,6 +23,8 @@ BUBBLE = 0.7  # void fraction above which a cell inside the bed is bubble
 SMALLEST_BUBBLE = 4  # cells of the depth-averaged void fraction
 FASTEST_BUBBLE = 1.0  # m/s: farther than this in a frame, it is another one
 
+VARIANTS = {"ssp": [], "ssw": ["parcels%weighting=ssw"]}  # the case as it stands, and its other weighting
+
 # The case: what was asked for.
 PARTICLE_DENSITY = 2500.0  # kg/m3
 PSD = {"mean": 500e-6, "deviation": 125e-6, "smallest": 250e-6, "largest": 800e-6}  # m, log-normal by number

@@ -22,6 +22,8 @@ FRICTIONS, SEEDS = (0.1, 0.2, 0.4, 0.8), (1, 2)
 DIAMETER, DISH = 1.5e-3, 0.016
 RINGS = np.arange(2, 10) * DIAMETER  # edges, from beside the top to one diameter within the rim
 SECTORS = 12
+RUNS = {(mu, seed): f"friction_{mu:g}_seed_{seed}" for mu in FRICTIONS for seed in SEEDS}
+VARIANTS = {name: [f"contact%friction={mu}", f"parcels%seed={seed}"] for (mu, seed), name in RUNS.items()}
 
 
 def profile(position):
@@ -48,12 +50,10 @@ def slope(heights):
 
 
 def main():
-    runs = {(mu, seed): f"friction_{mu:g}_seed_{seed}" for mu in FRICTIONS for seed in SEEDS}
-    keys = {name: [f"contact%friction={mu}", f"parcels%seed={seed}"] for (mu, seed), name in runs.items()}
-    folders = bulk.run_all(HERE, keys, bulk.program())
+    folders = bulk.run_all(HERE, VARIANTS, bulk.program())
     figure, axes = plt.subplots(1, len(FRICTIONS) + 1, figsize=(11, 2.4), constrained_layout=True)
     rows, check = [], bulk.Checks()
-    for (mu, seed), name in runs.items():
+    for (mu, seed), name in RUNS.items():
         last = Parcels(folders[name] / "parcels.vtkhdf")(-1)
         position = last["position"]
         on_dish = np.hypot(position[:, 0], position[:, 2]) < DISH

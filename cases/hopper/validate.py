@@ -20,6 +20,8 @@ import bulk  # noqa: E402
 from results import Parcels  # noqa: E402
 
 HOLES = (0.005, 0.006, 0.007, 0.008)  # m
+NAMES = {hole: f"hole_{1e3 * hole:g}mm" for hole in HOLES}
+VARIANTS = {NAMES[hole]: [f"wall(bottom)%radius={hole / 2}"] for hole in HOLES}
 DIAMETER, DENSITY, VESSEL, GRAVITY = 1e-3, 2500.0, 0.0112, 9.81
 EXPERIMENTS = ((0.55, 1.6), (0.65, 1.2))  # C and k with the least and the largest flow
 SETTLED, SHALLOW = 0.2, 4200  # s until the bed has come down; parcels whose bed is less deep than the widest hole
@@ -52,12 +54,11 @@ def beverloo(hole, c, k, density):
 
 
 def main():
-    names = {hole: f"hole_{1e3 * hole:g}mm" for hole in HOLES}
-    folders = bulk.run_all(HERE, {names[hole]: [f"wall(bottom)%radius={hole / 2}"] for hole in HOLES}, bulk.program())
+    folders = bulk.run_all(HERE, VARIANTS, bulk.program())
     figure, (left, right, picture) = plt.subplots(1, 3, figsize=(11, 3.2), constrained_layout=True)
     found, check = {}, bulk.Checks()
     for hole in HOLES:
-        time, count, steady, flow, density = found[hole] = discharge(folders[names[hole]])
+        time, count, steady, flow, density = found[hole] = discharge(folders[NAMES[hole]])
         line = np.polyfit(time[steady], count[steady], 1)
         check(f"hole of {1e3 * hole:g} mm: parcels in the steady part", count[steady][0] - count[steady][-1], 400, 1e4)
         uneven = np.abs(count[steady] - np.polyval(line, time[steady])).max()
@@ -88,7 +89,7 @@ def main():
     right.plot(1e3 * holes, 1e3 * flows, "o", color="#1f6fb4", label="geldart")
     right.set(xlabel="hole, mm", ylabel="mass flow, g/s")
     right.legend(fontsize=7)
-    parcels = Parcels(folders[names[0.006]] / "parcels.vtkhdf")
+    parcels = Parcels(folders[NAMES[0.006]] / "parcels.vtkhdf")
     frame = parcels(int(np.argmin(np.abs(parcels.times - 0.35))))
     slice_ = np.abs(frame["position"][:, 2]) < DIAMETER
     down = -frame["velocity"][slice_, 1]

@@ -29,6 +29,7 @@ from results import Run  # noqa: E402
 
 WEIGHTINGS = ("ssp", "ssw")
 SEEDS = (1, 2, 3)
+VARIANTS = {f"{w}_{seed}": [f"parcels%weighting='{w}'", f"parcels%seed={seed}"] for w in WEIGHTINGS for seed in SEEDS}
 VELOCITIES = (0.44, 0.40, 0.37, 0.34, 0.32, 0.30, 0.28, 0.26, 0.22, 0.18, 0.14, 0.08)  # m/s: bubbling, then throttled
 BUBBLING, SETTLING = 0.3, 0.1  # s, at the first velocity and at each other
 PACKED, STEADY = 0.9, 0.01  # a bed is packed if its pressure drop is a smaller share of its weight, and does not change
@@ -111,8 +112,7 @@ def main():
     program = sys.argv[1] if len(sys.argv) > 1 else str(ROOT / "build/geldart")
     keys = [(w, seed) for w in WEIGHTINGS for seed in SEEDS]
     with ThreadPoolExecutor(os.cpu_count()) as cores:
-        lines = cores.map(lambda key: throttle(program, HERE / "results" / f"{key[0]}_{key[1]}",
-                                               f"parcels%weighting='{key[0]}'", f"parcels%seed={key[1]}"), keys)
+        lines = cores.map(lambda name: throttle(program, HERE / "results" / name, *VARIANTS[name]), VARIANTS)
         points = dict(zip(keys, lines))
     found = {w: [find_umf(points[w, seed]) for seed in SEEDS] for w in WEIGHTINGS}
     means = {w: summary(found[w]) for w in WEIGHTINGS}

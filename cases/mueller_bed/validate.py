@@ -22,6 +22,7 @@ from fluidization import DENSITY, GRAVITY  # noqa: E402
 from results import Run, mean_with_error  # noqa: E402
 
 LAWS = {"gidaspow": "#1f6fb4", "beetstra": "#c8502d"}
+VARIANTS = {law: [f"coupling%drag={law}"] for law in LAWS}
 HEIGHTS = (16.4, 31.2)  # mm
 START, END = 1.0, 5.0  # s: the bed has forgotten how it began; the run ends
 SHOWN = 3.0  # s: the instant that is drawn
@@ -142,7 +143,7 @@ def main():
     again = sys.argv[1:] == ["--read"]
     folders = {law: HERE / "results" / law for law in LAWS}
     if not again:
-        folders = bulk.run_all(HERE, {law: [f"coupling%drag={law}"] for law in LAWS}, bulk.program())
+        folders = bulk.run_all(HERE, VARIANTS, bulk.program())
     found, check = {law: examine(folder) for law, folder in folders.items()}, bulk.Checks()
     remarks, rows = [], []
     for law, bed in found.items():

@@ -19,6 +19,8 @@ import bulk  # noqa: E402
 from results import Parcels  # noqa: E402
 
 FRICTIONS = (0, 0.1, 0.2, 0.4, 0.8)
+NAMES = {mu: f"friction_{mu:g}" for mu in FRICTIONS}
+VARIANTS = {NAMES[mu]: [f"contact%friction={mu}"] for mu in FRICTIONS}
 DIAMETER, AREA = 1e-3, 0.012**2
 FLOOR, SURFACE = 5, 4  # diameters left out at the floor, which orders its layers, and below the top
 
@@ -34,12 +36,11 @@ def fraction(height, low, high):
 
 
 def main():
-    names = {mu: f"friction_{mu:g}" for mu in FRICTIONS}
-    folders = bulk.run_all(HERE, {names[mu]: [f"contact%friction={mu}"] for mu in FRICTIONS}, bulk.program())
+    folders = bulk.run_all(HERE, VARIANTS, bulk.program())
     figure, (left, right) = plt.subplots(1, 2, figsize=(8, 3.2), constrained_layout=True)
     rows, check = [], bulk.Checks()
     for mu in FRICTIONS:
-        last = Parcels(folders[names[mu]] / "parcels.vtkhdf")(-1)
+        last = Parcels(folders[NAMES[mu]] / "parcels.vtkhdf")(-1)
         height = last["position"][:, 1]
         top = np.percentile(height, 98)
         speed = float(np.sqrt((last["velocity"] ** 2).sum(axis=1).mean()))

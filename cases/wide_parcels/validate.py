@@ -28,6 +28,18 @@ WIDTHS = (None, 0.5, 0.7, 1.0)  # over that of a parcel
 DENSITY, SOLID, GRAVITY = 1.2, 2500.0, 9.81
 # velocity m/s, end s, first time that counts s, height m below which all is bed
 STATES = {"packed": (0.12, 0.12, 0.1, 0.0105), "fluidized": (0.5, 0.6, 0.2, 0.0105)}
+POINTS = [(state, cells, width) for state in STATES for width in WIDTHS for cells in CELLS
+          if (width or cells == 1) and (state == "packed" or width != 0.7)]
+
+
+def keys_of(state, cells, width):
+    """Where the mapping alone is wider than the width nothing is spread."""
+    velocity, end, *_ = STATES[state]
+    return [f"grid%cells={CELLS[cells]}", f"boundary(distributor)%velocity={velocity}", f"run%end_time={end}",
+            f"coupling%width={(width or 1e-3) * PARCEL}"]
+
+
+VARIANTS = {"{}_{}_{}".format(*point): keys_of(*point) for point in POINTS}
 
 
 def run_case(program, folder, *options):
@@ -40,11 +52,10 @@ def run_case(program, folder, *options):
 
 def measure(program, state, cells, width):
     """Pressure drop over weight, mean and standard deviation of the void fraction in the bed, its least, and what is hidden."""
-    velocity, end, first, height = STATES[state]
-    folder = HERE / "results" / f"{state}_{cells}_{width}"
-    # Where the mapping alone is wider than the width nothing is spread.
-    run_case(program, folder, f"grid%cells={CELLS[cells]}", f"boundary(distributor)%velocity={velocity}", f"run%end_time={end}",
-             f"coupling%width={(width or 1e-3) * PARCEL}")
+    *_, first, height = STATES[state]
+    name = f"{state}_{cells}_{width}"
+    folder = HERE / "results" / name
+    run_case(program, folder, *VARIANTS[name])
     run = Run(folder)
     late = run.series["time"] > first
     gas_weight = DENSITY * GRAVITY * (run.gas.upper[1] - run.gas.lower[1])
@@ -90,8 +101,7 @@ def draw(points):
 
 def main():
     program = sys.argv[1] if len(sys.argv) > 1 else str(ROOT / "build/geldart")
-    points = [measure(program, state, cells, width) for state in STATES for width in WIDTHS for cells in CELLS
-              if (width or cells == 1) and (state == "packed" or width != 0.7)]
+    points = [measure(program, *point) for point in POINTS]
     write_table(program, points)
     draw(points)
     failed = 0
