@@ -43,6 +43,8 @@ contains
   end function everywhere
 
   !> A plane across a that cuts cells, slip sides, an outflow: a plug, whose momentum is that with which it comes in.
+  !> On two ranks they meet at the face that the gas from the cut cells goes through: if side is -1 these cells are beyond
+  !> the box of the face.
   subroutine floor(a, side)
     integer, intent(in) :: a
     integer, intent(in) :: side  !< 1: the gas is above the plane, -1: below
@@ -56,7 +58,7 @@ contains
     logical :: ok
 
     scene%cells = 4
-    scene%cells(a) = 9
+    scene%cells(a) = 8
     scene%upper = scene%cells*edge
     scene%numerics%tolerance = 1.0e-12_wp
     scene%numerics%velocity_tolerance = 1.0e-12_wp
@@ -67,7 +69,7 @@ contains
     scene%walls(1)%kind = 'plane'
     scene%walls(1)%gas_side = 'inside'
     scene%walls(1)%normal = normal
-    scene%walls(1)%point = (4.5_wp - 2.2_wp*side)*edge
+    scene%walls(1)%point = (4 - 0.7_wp*side)*edge
     scene%records = [everywhere(scene)]
     scene%records(1)%velocity = speed
     do b = 1, 3
@@ -82,6 +84,7 @@ contains
       end do
     end do
     call make_gas(comm, scene, gas, outcome)
+    call expect(gas%boxes%n(a) == 8/comm%size, 'ranks meet beside the floor')
     call set_cells(gas%boxes, half, gas%eps)
     call gas%accept()
     ok = steps(gas, 4, 2.0e-3_wp)
