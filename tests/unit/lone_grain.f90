@@ -57,7 +57,7 @@ contains
     type(scene_t) :: scene
     integer :: i
 
-    call build(comm, 1.0e4_wp, [8, 16, 8], [.false., .false., .false.], drag, scene)
+    call build(comm, 1.0e4_wp, [4, 8, 4], [.false., .false., .false.], drag, scene)
     call set_gas(scene, [0.0_wp, 0.3_wp, 0.0_wp], spread(0.0_wp, 1, 3))
     call add(scene, [3210.0_wp, 7700.0_wp, 5500.0_wp], [100.0_wp, -100.0_wp, 0.0_wp], 1.0e-4_wp, 2000.0_wp, weight)
     do i = 1, 30
@@ -78,7 +78,7 @@ contains
     real(wp) :: exact
     integer :: i
 
-    call build(comm, 1.0e4_wp, [8, 16, 8], [.false., .false., .false.], 'gidaspow', scene)
+    call build(comm, 1.0e4_wp, [4, 8, 4], [.false., .false., .false.], 'gidaspow', scene)
     call set_gas(scene, [0.0_wp, 0.4_wp, 0.0_wp], density*gravity)
     call add(scene, [3210.0_wp, 7700.0_wp, 5500.0_wp], spread(0.0_wp, 1, 3), d, solid_density, 1.0_wp)
     exact = 0.0_wp

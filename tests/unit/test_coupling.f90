@@ -79,7 +79,7 @@ contains
     integer :: i
     character(len=60) :: name
 
-    call build(comm, 1.0e4_wp, [8, 16, 8], [.false., .false., .false.], 'gidaspow', scene, gas_density=1.0e-30_wp)
+    call build(comm, 1.0e4_wp, [4, 8, 4], [.false., .false., .false.], 'gidaspow', scene, gas_density=1.0e-30_wp)
     call set_gas(scene, [0.0_wp, 0.1_wp, 0.0_wp], spread(0.0_wp, 1, 3))
     call add(scene, [3210.0_wp, 7700.0_wp, 5500.0_wp], spread(0.0_wp, 1, 3), 2.0e-5_wp, 1000.0_wp, 50.0_wp)
     tau = 1000.0_wp*4.0e-10_wp/(18*viscosity)
@@ -103,7 +103,7 @@ contains
     real(wp) :: v, end_velocity, tau
     integer :: i
 
-    call build(comm, 1.0e4_wp, [8, 16, 8], [.false., .false., .false.], 'gidaspow', scene)
+    call build(comm, 1.0e4_wp, [4, 8, 4], [.false., .false., .false.], 'gidaspow', scene)
     call add(scene, [3210.0_wp, 7700.0_wp, 5500.0_wp], spread(0.0_wp, 1, 3), 5.0e-3_wp, 2500.0_wp, 1.0_wp)
     end_velocity = -balanced_slip(5.0e-3_wp, 2500.0_wp, 'gidaspow')
     tau = end_velocity/gravity(2)
@@ -136,7 +136,7 @@ contains
     integer :: i
     character(len=60) :: name
 
-    call build(comm, 1.0e4_wp, [8, 16, 8], [.false., .false., .false.], 'beetstra', scene)
+    call build(comm, 1.0e4_wp, [4, 8, 4], [.false., .false., .false.], 'beetstra', scene)
     call set_gas(scene, [0.0_wp, 0.1_wp, 0.0_wp], spread(0.0_wp, 1, 3))
     call add(scene, [3210.0_wp, 7700.0_wp, 5500.0_wp], spread(0.0_wp, 1, 3), 2.0e-5_wp, 1000.0_wp, 50.0_wp)
     tau = 1000.0_wp*4.0e-10_wp/(18*viscosity)
@@ -161,7 +161,7 @@ contains
     integer :: i, n
     character(len=60) :: name
 
-    call build(comm, 1.0e4_wp, [8, 16, 8], [.false., .false., .false.], 'gidaspow', scene)
+    call build(comm, 1.0e4_wp, [4, 8, 4], [.false., .false., .false.], 'gidaspow', scene)
     call add(scene, [3210.0_wp, 7700.0_wp, 5500.0_wp], spread(0.0_wp, 1, 3), 2.0e-5_wp, 1000.0_wp, 50.0_wp)
     slip = balanced_slip(2.0e-5_wp, 1000.0_wp/(1.0_wp - share), 'gidaspow')
     tau = 1000.0_wp*4.0e-10_wp/(18*viscosity)
@@ -182,7 +182,7 @@ contains
     real(wp) :: tau, v, worst, end_velocity
     integer :: i
 
-    call build(comm, 1.0e4_wp, [8, 16, 8], [.false., .false., .false.], 'gidaspow', scene)
+    call build(comm, 1.0e4_wp, [4, 8, 4], [.false., .false., .false.], 'gidaspow', scene)
     call add(scene, [3210.0_wp, 7700.0_wp, 5500.0_wp], spread(0.0_wp, 1, 3), 2.0e-5_wp, 1000.0_wp, 50.0_wp)
     end_velocity = -balanced_slip(2.0e-5_wp, 1000.0_wp, 'gidaspow')
     tau = 1000.0_wp*4.0e-10_wp/(18*viscosity)

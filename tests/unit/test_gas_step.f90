@@ -144,7 +144,7 @@ contains
     scene%numerics%velocity_tolerance = 1.0e-12_wp
     call make_gas(comm, scene, shared, outcome)
     call make_gas(alone, scene, whole, outcome)
-    do step = 0, 5
+    do step = 0, 3
       call set_bed(shared, step)
       call set_bed(whole, step)
       if (step > 0) then

@@ -1,5 +1,6 @@
 !> Meshes that end on the faces of the domain or beyond: what they leave to the gas, and how it flows in through their rims.
 ! ranks: 1 2
+! ranks in debug: 1
 program test_open_mesh
   use blocking_walls, only: new_blocking_walls
   use boxes, only: boxes_t, new_boxes

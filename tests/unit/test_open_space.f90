@@ -1,4 +1,5 @@
 !> How walls cut cells: volumes, areas, walls of cylinders, cones and meshes.
+! ranks in debug: 1
 program test_open_space
   use blocking_walls, only: new_blocking_walls
   use boxes, only: boxes_t, new_boxes
@@ -171,7 +172,7 @@ contains
 
     wall = mesh_wall()
     wall%gas_side = 'inside'
-    surfaces(1) = new_surface(ball(middle, 0.04_wp, 10))
+    surfaces(1) = new_surface(ball(middle, 0.04_wp, 5))
     volume = volume_of(surfaces(1), middle)
     space = space_of(cube(20, .false.), [wall], surfaces)
     if (comm%is_root()) call expect_close(space%open_volume, volume, 5.0e-3_wp, 'in a ball')
