@@ -117,7 +117,7 @@ contains
   !> by 8 mu/R^2 times that (Poiseuille's profile; Yuan and Finkelstein, Trans. ASME 78 (1956) 719, for Re to 0).
   subroutine porous_pipe()
     real(wp), parameter :: radius = 8.0e-3_wp, speed = 1.0e-3_wp
-    integer, parameter :: n = 12, long = 36
+    integer, parameter :: n = 12, long = 24
     type(scene_t) :: scene
     type(gas_t) :: gas
     type(outcome_t) :: outcome
