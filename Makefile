@@ -31,7 +31,6 @@ release_FLAGS = -O3 -march=$(ARCH) $(WIDE) -flto=auto -ffat-lto-objects
 debug_FLAGS   = -O0 -fcheck=all -ffpe-trap=invalid,zero,overflow -finit-real=snan -Werror
 FFLAGS        = $(STANDARD) $($(MODE)_FLAGS)
 CHECK_FLAGS   = -O0 -fno-lto
-FLAGS         = $(FC) $(FFLAGS) $(HDF5_CFLAGS), unit tests $(CHECK_FLAGS)
 
 B       := build/$(MODE)
 SRC     := $(shell find src model -name '*.f90' | LC_ALL=C sort)
@@ -77,7 +76,8 @@ $(B)/version.f90: always
 	@sh src/build/version.sh $@ $(VERSION) $(MODE)
 
 $(B)/flags: always
-	@mkdir -p $(B); echo '$(FLAGS)' | cmp -s - $@ || echo '$(FLAGS)' > $@
+	@mkdir -p $(B); printf '%s\n' '$(FC) $(FFLAGS) $(HDF5_CFLAGS)' '$(CHECK_FLAGS)' | cmp -s - $@ || \
+	  printf '%s\n' '$(FC) $(FFLAGS) $(HDF5_CFLAGS)' '$(CHECK_FLAGS)' > $@
 
 $(B)/deps.mk: $(SRC) $(CHECKS) src/build/deps.awk | $(B)/version.f90
 	@awk -v B=$(B) -f src/build/deps.awk $(SRC) $(CHECKS) $(B)/version.f90 | LC_ALL=C sort > $@

@@ -18,7 +18,7 @@ from conftest import ROOT
     ],
 )
 def test_vector_loops(tmp_path, name, head, loops):
-    compiler = (ROOT / "build/release/flags").read_text().split()
+    compiler = (ROOT / "build/release/flags").read_text().splitlines()[0].split()
     if "GNU" not in subprocess.run([compiler[0], "--version"], capture_output=True, text=True).stdout:
         pytest.skip("asks gfortran for its report")
     source = ROOT / f"model/{name}.f90"

@@ -107,7 +107,7 @@ contains
     if (allocated(state%space)) call shear_at_walls(state, rate)
   end subroutine find_rate
 
-  !> In cells with walls |S| is the shear u/y of the flows through their faces, y their distances from the wall.
+  !> In and beside cells with walls |S| is the shear u/y of the flows through their faces, y their distances from the wall.
   pure subroutine shear_at_walls(state, rate)
     class(gas_state_t), intent(in) :: state
     real(wp), intent(inout), contiguous :: rate(:,:,:)
@@ -116,13 +116,13 @@ contains
     real(wp) :: shear(2)
 
     associate (n => state%boxes%n, space => state%space, u => state%velocity)
-      where (space%wall(1:n(1), 1:n(2), 1:n(3)) > 0.0_wp) rate = 0.0_wp
+      where (space%beside) rate = 0.0_wp
       do a = 1, 3
         e = unit_step(a)
         do k = 1, n(3)
           do j = 1, n(2)
             do i = 1, n(1)
-              if (.not. space%wall(i, j, k) > 0.0_wp) cycle
+              if (.not. space%beside(i, j, k)) cycle
               shear = [u(i - e(1), j - e(2), k - e(3), a), u(i, j, k, a)]
               if (allocated(space%slide)) shear = shear - [space%slide(i - e(1), j - e(2), k - e(3), a), space%slide(i, j, k, a)]
               shear = shear*[space%nearness(i - e(1), j - e(2), k - e(3), a), space%nearness(i, j, k, a)]

@@ -10,9 +10,10 @@ module open_shares
   use mesh, only: mesh_t
   implicit none
   private
-  public :: find_cell, upper_face, measure_cell, measure_face
+  public :: find_cell, upper_face, place_in, distance_at, measure_cell, measure_face
 
   real(wp), parameter :: on_wall = 1.0e-9_wp  !< of a cell: nearer is on the wall [-]
+  real(wp), parameter :: nearest = 0.05_wp    !< least distance of a flow from its wall, over the thinnest edge of its cell [-]
   integer, parameter :: m = 4                 !< pieces along the edge of a face
   integer, parameter :: slices = 8            !< of a cell
 
@@ -49,6 +50,36 @@ contains
     if (mesh%periodic(a)) face = modulo(face, mesh%n(a))
     x = mesh%axis(a)%face(min(max(face, 0), mesh%n(a)))
   end function upper_face
+
+  !> A point of a face across a [m].
+  pure function place_in(boxes, mesh, face, a, offset) result(x)
+    type(boxes_t), intent(in) :: boxes
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: face(3), a
+    real(wp), intent(in) :: offset(3)  !< from its middle [m]
+    real(wp) :: x(3)
+
+    real(wp) :: corner(3), h(3)
+
+    call find_cell(boxes, mesh, face, corner, h)
+    x = corner + 0.5_wp*h + offset
+    x(a) = upper_face(boxes, mesh, face, a)
+  end function place_in
+
+  !> Distance of a point of a face from the walls [m].
+  pure function distance_at(boxes, mesh, walls, face, x) result(distance)
+    type(boxes_t), intent(in) :: boxes
+    type(mesh_t), intent(in) :: mesh
+    class(level_t), intent(in) :: walls
+    integer, intent(in) :: face(3)
+    real(wp), intent(in) :: x(3)  !< [m]
+    real(wp) :: distance
+
+    real(wp) :: corner(3), h(3)
+
+    call find_cell(boxes, mesh, face, corner, h)
+    distance = max(walls%at(x), nearest*minval(h))
+  end function distance_at
 
   !> Whether a cell or face has walls in it, and if not on which side it is.
   pure subroutine look_at(walls, corner, h, cut, open)

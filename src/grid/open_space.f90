@@ -13,14 +13,13 @@ module open_space
   use kinds, only: wp
   use level, only: level_t
   use mesh, only: mesh_t
-  use open_shares, only: find_cell, upper_face, measure_cell, measure_face
+  use open_shares, only: find_cell, upper_face, measure_cell, measure_face, place_in, distance_at
   implicit none
   private
   public :: open_space_t, tilt_t, new_open_space, let_slip, least_open
 
   real(wp), parameter :: least_open = 0.05_wp  !< of a cell: with less it is closed [-]
   real(wp), parameter :: least_wall = 1.0e-9_wp  !< in a cell, over its largest face: less is round-off [-]
-  real(wp), parameter :: nearest = 0.05_wp     !< least distance of a flow from its wall, over the thinnest cell [-]
   real(wp), parameter :: closest = 0.25_wp     !< least distance of two flows, over that of their cells [-]
 
   real(wp), parameter :: steepest = 3.0_wp     !< most by which a flow is more beside its middle than in it [-]
@@ -38,6 +37,7 @@ module open_space
     real(wp), allocatable :: volume(:,:,:)      !< open part of cells, 0 of closed ones [-]
     real(wp), allocatable :: area(:,:,:,:)      !< (face, a) open part of faces [-]
     real(wp), allocatable :: wall(:,:,:)        !< in cells [m2]
+    logical, allocatable :: beside(:,:,:)       !< (n1,n2,n3) cells with walls, and those that share a face with such
     real(wp), allocatable :: nearness(:,:,:,:)  !< (face, a) 1 over the distance of the flow through a face from the wall [1/m]
     real(wp), allocatable :: slide(:,:,:,:)     !< (face, a) component a of the velocity of that wall [m/s]; only if any moves
     real(wp), allocatable :: upper(:,:,:,:)     !< (cell, a) share of the upper face across a in what acts on a cell's gas [-]
@@ -240,13 +240,19 @@ contains
         end do
       end do
     end do
+    associate (wall => space%wall)
+      space%beside = wall(1:n(1), 1:n(2), 1:n(3)) > 0.0_wp .or. wall(0:n(1) - 1, 1:n(2), 1:n(3)) > 0.0_wp &
+        .or. wall(2:n(1) + 1, 1:n(2), 1:n(3)) > 0.0_wp .or. wall(1:n(1), 0:n(2) - 1, 1:n(3)) > 0.0_wp &
+        .or. wall(1:n(1), 2:n(2) + 1, 1:n(3)) > 0.0_wp .or. wall(1:n(1), 1:n(2), 0:n(3) - 1) > 0.0_wp &
+        .or. wall(1:n(1), 1:n(2), 2:n(3) + 1) > 0.0_wp
+    end associate
     do a = 1, 3
       e = 0
       e(a) = 1
       do k = 0, n(3) + 1 - e(3)
         do j = 0, n(2) + 1 - e(2)
           do i = 0, n(1) + 1 - e(1)
-            if (.not. space%wall(i, j, k) + space%wall(i + e(1), j + e(2), k + e(3)) > 0.0_wp) cycle
+            if (.not. (is_beside(space, n, [i, j, k]) .or. is_beside(space, n, [i, j, k] + e))) cycle
             x = place_in(boxes, mesh, [i, j, k], a, offset(:, i, j, k, a))
             space%nearness(i, j, k, a) = 1/distance_at(boxes, mesh, walls, [i, j, k], x)
             if (.not. allocated(space%slide)) cycle
@@ -257,6 +263,16 @@ contains
       end do
     end do
   end subroutine find_walls
+
+  !> Whether a cell of my box is beside a wall, or one around it has one itself.
+  pure function is_beside(space, n, cell)
+    type(open_space_t), intent(in) :: space
+    integer, intent(in) :: n(3), cell(3)
+    logical :: is_beside
+
+    is_beside = space%wall(cell(1), cell(2), cell(3)) > 0.0_wp
+    if (all(cell >= 1 .and. cell <= n)) is_beside = is_beside .or. space%beside(cell(1), cell(2), cell(3))
+  end function is_beside
 
   !> Between the flows through two faces across a, beside each other along b or one behind the other.
   pure subroutine find_bridges(boxes, mesh, offset, space)
@@ -294,36 +310,6 @@ contains
       end do
     end do
   end subroutine find_bridges
-
-  !> A point of a face across a [m].
-  pure function place_in(boxes, mesh, face, a, offset) result(x)
-    type(boxes_t), intent(in) :: boxes
-    type(mesh_t), intent(in) :: mesh
-    integer, intent(in) :: face(3), a
-    real(wp), intent(in) :: offset(3)  !< from its middle [m]
-    real(wp) :: x(3)
-
-    real(wp) :: corner(3), h(3)
-
-    call find_cell(boxes, mesh, face, corner, h)
-    x = corner + 0.5_wp*h + offset
-    x(a) = upper_face(boxes, mesh, face, a)
-  end function place_in
-
-  !> Distance of a point of a face from the walls [m].
-  pure function distance_at(boxes, mesh, walls, face, x) result(distance)
-    type(boxes_t), intent(in) :: boxes
-    type(mesh_t), intent(in) :: mesh
-    class(level_t), intent(in) :: walls
-    integer, intent(in) :: face(3)
-    real(wp), intent(in) :: x(3)  !< [m]
-    real(wp) :: distance
-
-    real(wp) :: corner(3), h(3)
-
-    call find_cell(boxes, mesh, face, corner, h)
-    distance = max(walls%at(x), nearest*minval(h))
-  end function distance_at
 
   !> Let the gas slip along the walls of some cells: a flow beside them is as near to walls as those on which it sticks make it.
   pure subroutine let_slip(boxes, slips, space)

@@ -50,7 +50,7 @@ contains
       call pipe_error(comm, 4*2**level, error(level), ok)
       call expect(ok, 'it converges')
     end do
-    call check_value('eddies_pipe_order', log(error(2)/error(3))/log(2.0_wp), 2.0_wp)
+    call check_value('eddies_pipe_order', 100*maxval(abs(error)*[1, 4, 16]), 0.0_wp)
     call check_value('eddies_pipe', 100*error(3), 0.0_wp)
   end subroutine pipes
 
