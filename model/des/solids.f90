@@ -26,6 +26,7 @@ module solids
   use parcels, only: parcels_t, radius_row, mass_row, curvature_row
   use read_ahead, only: read_ahead_t
   use solids_trouble, only: find_trouble, check_period
+  use tile_work, only: work_of_tiles
   use tiles, only: tiles_t, new_tiles
   use chamber, only: chamber_t
   use walls, only: wall_list_t
@@ -35,7 +36,6 @@ module solids
 
   real(wp), parameter :: tolerated_imbalance = 1.1_wp  !< largest load over the mean before tiles change hands
   real(wp), parameter :: farthest_step = 0.1_wp      !< way of a parcel in one step, over the smallest radius
-  real(wp), parameter :: entry_work = 0.3_wp         !< work of a listed pair over that of a parcel by itself
 
   type :: solids_t
     type(communicator_t) :: comm
@@ -430,16 +430,11 @@ contains
     type(outcome_t), intent(inout) :: outcome
 
     real(wp) :: work(self%tiles%total)
-    integer :: i, t
 
     changed = .false.
     if (self%comm%size == 1 .or. self%weighed == self%rebuilds) return
     self%weighed = self%rebuilds
-    work = 0.0_wp
-    do i = 1, self%parcels%n
-      t = self%tiles%tile_of(self%parcels%state(1:3, i))
-      work(t) = work(t) + 1 + entry_work*(self%list%first(i + 1) - self%list%first(i))
-    end do
+    work = work_of_tiles(self%tiles, self%parcels, self%list)
     if (self%tiles%imbalance(work) <= tolerated_imbalance) return
     call self%tiles%repartition(work, changed)
     if (.not. changed) return
