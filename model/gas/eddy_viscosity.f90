@@ -107,7 +107,8 @@ contains
     if (allocated(state%space)) call shear_at_walls(state, rate)
   end subroutine find_rate
 
-  !> In and beside cells with walls |S| is the shear u/y of the flows through their faces, y their distances from the wall.
+  !> In cells with walls, and beside those that hold the gas, |S| is the shear u/y of the flows through their faces, y their
+  !> distances from the wall; 0 where the gas slips.
   pure subroutine shear_at_walls(state, rate)
     class(gas_state_t), intent(in) :: state
     real(wp), intent(inout), contiguous :: rate(:,:,:)

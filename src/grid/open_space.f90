@@ -37,7 +37,8 @@ module open_space
     real(wp), allocatable :: volume(:,:,:)      !< open part of cells, 0 of closed ones [-]
     real(wp), allocatable :: area(:,:,:,:)      !< (face, a) open part of faces [-]
     real(wp), allocatable :: wall(:,:,:)        !< in cells [m2]
-    logical, allocatable :: beside(:,:,:)       !< (n1,n2,n3) cells with walls, and those that share a face with such
+    logical, allocatable :: beside(:,:,:)       !< (n1,n2,n3) cells with walls, and those that share a face with such where the gas
+                                                !< sticks to it
     real(wp), allocatable :: nearness(:,:,:,:)  !< (face, a) 1 over the distance of the flow through a face from the wall [1/m]
     real(wp), allocatable :: slide(:,:,:,:)     !< (face, a) component a of the velocity of that wall [m/s]; only if any moves
     real(wp), allocatable :: upper(:,:,:,:)     !< (cell, a) share of the upper face across a in what acts on a cell's gas [-]
@@ -240,12 +241,8 @@ contains
         end do
       end do
     end do
-    associate (wall => space%wall)
-      space%beside = wall(1:n(1), 1:n(2), 1:n(3)) > 0.0_wp .or. wall(0:n(1) - 1, 1:n(2), 1:n(3)) > 0.0_wp &
-        .or. wall(2:n(1) + 1, 1:n(2), 1:n(3)) > 0.0_wp .or. wall(1:n(1), 0:n(2) - 1, 1:n(3)) > 0.0_wp &
-        .or. wall(1:n(1), 2:n(2) + 1, 1:n(3)) > 0.0_wp .or. wall(1:n(1), 1:n(2), 0:n(3) - 1) > 0.0_wp &
-        .or. wall(1:n(1), 1:n(2), 2:n(3) + 1) > 0.0_wp
-    end associate
+    allocate (space%beside(n(1), n(2), n(3)))
+    call find_beside(space%wall(0:n(1) + 1, 0:n(2) + 1, 0:n(3) + 1) > 0.0_wp, space)
     do a = 1, 3
       e = 0
       e(a) = 1
@@ -263,6 +260,20 @@ contains
       end do
     end do
   end subroutine find_walls
+
+  !> See open_space_t; `holds` are the cells, those around my box included, with walls to which the gas sticks.
+  pure subroutine find_beside(holds, space)
+    logical, intent(in) :: holds(0:, 0:, 0:)  !< (0:n1+1,0:n2+1,0:n3+1)
+    type(open_space_t), intent(inout) :: space
+
+    integer :: n(3)
+
+    n = shape(space%beside)
+    space%beside = space%wall(1:n(1), 1:n(2), 1:n(3)) > 0.0_wp &
+      .or. holds(0:n(1) - 1, 1:n(2), 1:n(3)) .or. holds(2:n(1) + 1, 1:n(2), 1:n(3)) &
+      .or. holds(1:n(1), 0:n(2) - 1, 1:n(3)) .or. holds(1:n(1), 2:n(2) + 1, 1:n(3)) &
+      .or. holds(1:n(1), 1:n(2), 0:n(3) - 1) .or. holds(1:n(1), 1:n(2), 2:n(3) + 1)
+  end subroutine find_beside
 
   !> Whether a cell of my box is beside a wall, or one around it has one itself.
   pure function is_beside(space, n, cell)
@@ -341,6 +352,7 @@ contains
     associate (near => space%nearness(0:n(1) + 1, 0:n(2) + 1, 0:n(3) + 1, :))
       near = grip*near
     end associate
+    call find_beside(space%wall(0:n(1) + 1, 0:n(2) + 1, 0:n(3) + 1) > 0.0_wp .and. .not. slips, space)
     do m = 1, size(space%tilts)
       associate (tilt => space%tilts(m))
         x = tilt%face

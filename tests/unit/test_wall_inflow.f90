@@ -1,7 +1,6 @@
 !> Gas that comes in through walls within the domain.
 ! ranks: 1 2
 program test_wall_inflow
-  use boundary_settings, only: boundary_settings_t
   use check, only: expect, expect_close, finish
   use communicator, only: communicator_t, start_ranks, stop_ranks
   use constants, only: pi
@@ -11,9 +10,10 @@ program test_wall_inflow
   use kinds, only: wp
   use outcome, only: outcome_t
   use pipe_flow, only: pipe
+  use plug_flow, only: edge, walls_record, plane_across, plug_scene, slip_sides, plug_errors
   implicit none
 
-  real(wp), parameter :: o = 0.0_wp, edge = 2.0e-3_wp
+  real(wp), parameter :: o = 0.0_wp
   type(communicator_t) :: comm
   integer :: a, side
 
@@ -33,15 +33,6 @@ program test_wall_inflow
 
 contains
 
-  !> An inflow through walls, everywhere in the domain.
-  function everywhere(scene) result(inflow)
-    type(scene_t), intent(in) :: scene
-    type(boundary_settings_t) :: inflow
-
-    inflow = record('porous', 'inflow', [o, o, o], scene%upper)
-    inflow%surface = 'walls'
-  end function everywhere
-
   !> A plane across a that cuts cells, slip sides, an outflow: a plug, whose momentum is that with which it comes in.
   !> On two ranks they meet at the face that the gas from the cut cells goes through: if side is -1 these cells are beyond
   !> the box of the face.
@@ -53,47 +44,20 @@ contains
     type(scene_t) :: scene
     type(gas_t) :: gas
     type(outcome_t) :: outcome
-    real(wp) :: normal(3), low(3), high(3), worst(3)
-    integer :: b, end
+    real(wp) :: worst(3)
     logical :: ok
 
-    scene%cells = 4
-    scene%cells(a) = 8
-    scene%upper = scene%cells*edge
-    scene%numerics%tolerance = 1.0e-12_wp
-    scene%numerics%velocity_tolerance = 1.0e-12_wp
-    scene%numerics%maximum_iterations = 100
-    normal = o
-    normal(a) = side
-    allocate (scene%walls(1))
-    scene%walls(1)%kind = 'plane'
-    scene%walls(1)%gas_side = 'inside'
-    scene%walls(1)%normal = normal
-    scene%walls(1)%point = (4 - 0.7_wp*side)*edge
-    scene%records = [everywhere(scene)]
+    scene = plug_scene(a, 8)
+    scene%walls = [plane_across(a, side, (4 - 0.7_wp*side)*edge)]
+    scene%records = [walls_record(scene, 'inflow')]
     scene%records(1)%velocity = speed
-    do b = 1, 3
-      do end = 1, 2
-        low = o
-        high = scene%upper
-        if (end == 1) high(b) = o
-        if (end == 2) low(b) = high(b)
-        if (b == a .and. 2*end - 3 /= side) cycle
-        if (b == a) scene%records = [scene%records, record('out', 'outflow', low, high)]
-        if (b /= a) scene%records = [scene%records, record('side', 'slip', low, high)]
-      end do
-    end do
+    call slip_sides(scene, a, side, 'outflow')
     call make_gas(comm, scene, gas, outcome)
     call expect(gas%boxes%n(a) == 8/comm%size, 'ranks meet beside the floor')
     call set_cells(gas%boxes, half, gas%eps)
     call gas%accept()
     ok = steps(gas, 4, 2.0e-3_wp)
-    associate (n => gas%boxes%n, u => gas%velocity)
-      worst(1) = maxval(abs(u(1:n(1), 1:n(2), 1:n(3), a) - side*speed/part*gas%free(1:n(1), 1:n(2), 1:n(3), a)))
-      worst(2) = sum(abs(u(1:n(1), 1:n(2), 1:n(3), :))) - sum(abs(u(1:n(1), 1:n(2), 1:n(3), a)))
-      worst(3) = maxval(abs(gas%pressure(1:n(1), 1:n(2), 1:n(3))))/(gas%density*(speed/part)**2)
-    end associate
-    worst = comm%max(worst)
+    worst = plug_errors(comm, gas, a, side*speed/part, o)
     if (comm%is_root()) then
       call expect(ok, 'a plug from a floor converges')
       call expect_close(worst(1), o, 1.0e-9_wp, 'its velocity [m/s]')
@@ -132,7 +96,7 @@ contains
     scene%numerics%velocity_tolerance = 1.0e-9_wp
     scene%numerics%maximum_iterations = 200
     scene%walls = [pipe(0.5_wp*scene%upper + [0.21_wp*h, o, 0.13_wp*h], 2, radius)]
-    scene%records = [everywhere(scene), &
+    scene%records = [walls_record(scene, 'inflow'), &
                      record('closed end', 'slip', [o, o, o], [scene%upper(1), o, scene%upper(3)]), &
                      record('out', 'outflow', [o, scene%upper(2), o], scene%upper)]
     scene%records(1)%velocity = speed
@@ -185,7 +149,7 @@ contains
     scene%cells = [10, 12, 10]
     scene%upper = scene%cells*edge
     scene%walls = [pipe(0.5_wp*scene%upper, 2, 4.3_wp*edge)]
-    scene%records = [everywhere(scene), record('out', 'outflow', [o, scene%upper(2), o], scene%upper)]
+    scene%records = [walls_record(scene, 'inflow'), record('out', 'outflow', [o, scene%upper(2), o], scene%upper)]
     scene%records(1)%upper(2) = 5*edge
     scene%records(1)%mass_flow = flow
     scene%records(1)%times = [2.0e-3_wp, 4.0e-3_wp]
@@ -228,7 +192,7 @@ contains
     scene%numerics%tolerance = 1.0e-11_wp
     scene%numerics%maximum_iterations = 100
     scene%walls = [pipe(0.5_wp*scene%upper, 2, 4.3_wp*edge)]
-    scene%records = [everywhere(scene)]
+    scene%records = [walls_record(scene, 'inflow')]
     if (by_mass) scene%records(1)%mass_flow = 1.0e-4_wp
     if (.not. by_mass) scene%records(1)%velocity = 0.1_wp
     call make_gas(comm, scene, gas, outcome)
@@ -264,7 +228,7 @@ contains
     scene%cells = [10, 12, 10]
     scene%upper = scene%cells*edge
     scene%walls = [pipe(0.5_wp*scene%upper, 2, 4.3_wp*edge)]
-    scene%records = [everywhere(scene)]
+    scene%records = [walls_record(scene, 'inflow')]
     scene%records(1)%velocity = 1.0_wp
     call make_gas(comm, scene, gas, outcome)
     if (comm%is_root()) call expect(index(outcome%message, 'no &boundary is an outflow') > 0, 'gas in, none out')
