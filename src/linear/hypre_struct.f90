@@ -1,10 +1,10 @@
-!> hypre's structured multigrid (PFMG) with conjugate gradients, for a symmetric seven-point matrix on boxes.
+!> hypre's structured multigrid (PFMG) for a symmetric seven-point matrix on boxes.
 !>
 !> The only file that knows hypre. What takes a communicator goes through hypre's Fortran 77 names, which accept a
 !> Fortran communicator on every MPI; the rest through the C names. hypre's integers are taken to be 32 bits wide.
 !> Source: hypre 2.26 reference manual, chapters 2 and 4.
 module hypre_struct
-  use, intrinsic :: iso_c_binding, only: c_int, c_double, c_ptr, c_null_ptr, c_associated, c_funptr, c_funloc
+  use, intrinsic :: iso_c_binding, only: c_int, c_double, c_ptr, c_null_ptr, c_associated
   use kinds, only: wp
   implicit none
   private
@@ -26,11 +26,10 @@ module hypre_struct
     type(c_ptr) :: rhs = c_null_ptr
     type(c_ptr) :: solution = c_null_ptr
     type(c_ptr) :: multigrid = c_null_ptr
-    type(c_ptr) :: gradients = c_null_ptr
   contains
     procedure :: create
     procedure :: set_matrix
-    procedure :: solve
+    procedure :: cycle
     procedure :: destroy
   end type hypre_struct_t
 
@@ -86,7 +85,6 @@ module hypre_struct
   end interface
 
   procedure(solver_on_ranks), bind(c, name='hypre_structpfmgcreate_') :: multigrid_create
-  procedure(solver_on_ranks), bind(c, name='hypre_structpcgcreate_') :: gradients_create
   procedure(one_handle), bind(c, name='HYPRE_StructGridAssemble') :: grid_assemble
   procedure(one_handle), bind(c, name='HYPRE_StructGridDestroy') :: grid_destroy
   procedure(one_handle), bind(c, name='HYPRE_StructStencilDestroy') :: stencil_destroy
@@ -98,21 +96,14 @@ module hypre_struct
   procedure(one_handle), bind(c, name='HYPRE_StructVectorDestroy') :: vector_destroy
   procedure(one_handle), bind(c, name='HYPRE_StructPFMGDestroy') :: multigrid_destroy
   procedure(one_handle), bind(c, name='HYPRE_StructPFMGSetZeroGuess') :: multigrid_zero_guess
-  procedure(one_handle), bind(c, name='HYPRE_StructPCGDestroy') :: gradients_destroy
   procedure(handle_and_integer), bind(c, name='HYPRE_StructMatrixSetSymmetric') :: matrix_symmetric
   procedure(handle_and_integer), bind(c, name='HYPRE_StructPFMGSetMaxIter') :: multigrid_iterations
   procedure(handle_and_integer), bind(c, name='HYPRE_StructPFMGSetRelaxType') :: multigrid_relaxation
-  procedure(handle_and_integer), bind(c, name='HYPRE_StructPCGSetMaxIter') :: gradients_limit
-  procedure(handle_and_integer), bind(c, name='HYPRE_StructPCGSetTwoNorm') :: gradients_two_norm
   procedure(handle_and_integers), bind(c, name='HYPRE_StructGridSetPeriodic') :: grid_periodic
   procedure(handle_and_real), bind(c, name='HYPRE_StructPFMGSetTol') :: multigrid_tolerance
   procedure(handle_and_real), bind(c, name='HYPRE_StructPFMGSetJacobiWeight') :: multigrid_weight
-  procedure(handle_and_real), bind(c, name='HYPRE_StructPCGSetTol') :: gradients_tolerance
-  procedure(handle_and_real), bind(c, name='HYPRE_StructVectorSetConstantValues') :: vector_constant
   procedure(solver_step), bind(c, name='HYPRE_StructPFMGSetup') :: multigrid_setup
   procedure(solver_step), bind(c, name='HYPRE_StructPFMGSolve') :: multigrid_solve
-  procedure(solver_step), bind(c, name='HYPRE_StructPCGSetup') :: gradients_setup
-  procedure(solver_step), bind(c, name='HYPRE_StructPCGSolve') :: gradients_solve
 
   interface
     subroutine grid_create(comm, dimensions, grid, error) bind(c, name='hypre_structgridcreate_')
@@ -195,30 +186,6 @@ module hypre_struct
       real(c_double), intent(out) :: values(*)
       integer(c_int) :: error
     end function vector_read
-
-    function gradients_precondition(solver, cycle, setup, preconditioner) result(error) &
-      bind(c, name='HYPRE_StructPCGSetPrecond')
-      import :: c_int, c_ptr, c_funptr
-      implicit none
-      type(c_ptr), value :: solver
-      type(c_funptr), value :: cycle, setup
-      type(c_ptr), value :: preconditioner
-      integer(c_int) :: error
-    end function gradients_precondition
-
-    function clear_errors() result(error) bind(c, name='HYPRE_ClearAllErrors')
-      import :: c_int
-      implicit none
-      integer(c_int) :: error
-    end function clear_errors
-
-    function gradients_iterations(solver, count) result(error) bind(c, name='HYPRE_StructPCGGetNumIterations')
-      import :: c_int, c_ptr
-      implicit none
-      type(c_ptr), value :: solver
-      integer(c_int), intent(out) :: count
-      integer(c_int) :: error
-    end function gradients_iterations
   end interface
 
 contains
@@ -267,13 +234,18 @@ contains
   end subroutine create_vector
 
   !> New matrix values, and multigrid set up for them.
-  subroutine set_matrix(self, values)
+  subroutine set_matrix(self, diagonal, link)
     class(hypre_struct_t), intent(inout) :: self
-    real(wp), intent(in), contiguous :: values(:,:,:,:)  !< (4, cells): diagonal; x, y, z upper neighbour
+    real(wp), intent(in), contiguous :: diagonal(:,:,:)    !< (cells)
+    real(wp), intent(in), contiguous :: link(0:, 0:, 0:, :)  !< (0:n1,0:n2,0:n3, a) what draws a cell to its upper neighbour
 
     integer(c_int) :: error
+    integer :: a
 
-    error = matrix_values(self%matrix, self%lo, self%hi, entries, entry, values)
+    error = matrix_values(self%matrix, self%lo, self%hi, 1_c_int, entry(1:1), diagonal)
+    do a = 1, 3
+      error = matrix_values(self%matrix, self%lo, self%hi, 1_c_int, entry(a + 1:a + 1), -link(1:, 1:, 1:, a))
+    end do
     error = matrix_assemble(self%matrix)
     call drop_solver(self)
     call multigrid_create(self%comm, self%multigrid, error)
@@ -282,43 +254,29 @@ contains
     error = multigrid_zero_guess(self%multigrid)
     error = multigrid_relaxation(self%multigrid, weighted_jacobi)
     error = multigrid_weight(self%multigrid, weight)
-    call gradients_create(self%comm, self%gradients, error)
-    error = gradients_two_norm(self%gradients, yes)
-    error = gradients_precondition(self%gradients, c_funloc(multigrid_solve), c_funloc(multigrid_setup), self%multigrid)
-    error = gradients_setup(self%gradients, self%matrix, self%rhs, self%solution)
+    error = multigrid_setup(self%multigrid, self%matrix, self%rhs, self%solution)
   end subroutine set_matrix
 
-  !> Solve from a zero guess until the 2-norm of the residual has fallen by `reduction`.
-  subroutine solve(self, rhs, reduction, limit, solution, iterations)
+  !> One cycle of multigrid from a zero guess.
+  subroutine cycle(self, rhs, solution)
     class(hypre_struct_t), intent(inout) :: self
     real(wp), intent(in), contiguous :: rhs(:,:,:)
-    real(wp), intent(in) :: reduction
-    integer, intent(in) :: limit                          !< most iterations
     real(wp), intent(out), contiguous :: solution(:,:,:)
-    integer, intent(out) :: iterations
 
-    integer(c_int) :: error, count
+    integer(c_int) :: error
 
     error = vector_values(self%rhs, self%lo, self%hi, rhs)
-    error = vector_constant(self%solution, 0.0_c_double)
-    error = gradients_tolerance(self%gradients, reduction)
-    error = gradients_limit(self%gradients, int(limit, c_int))
-    error = gradients_solve(self%gradients, self%matrix, self%rhs, self%solution)
-    error = clear_errors()  ! a solve that stops short is seen by its caller, who measures what is left
-    error = gradients_iterations(self%gradients, count)
-    iterations = count
+    error = multigrid_solve(self%multigrid, self%matrix, self%rhs, self%solution)
     error = vector_read(self%solution, self%lo, self%hi, solution)
-  end subroutine solve
+  end subroutine cycle
 
   subroutine drop_solver(self)
     class(hypre_struct_t), intent(inout) :: self
 
     integer(c_int) :: error
 
-    if (.not. c_associated(self%gradients)) return
-    error = gradients_destroy(self%gradients)
+    if (.not. c_associated(self%multigrid)) return
     error = multigrid_destroy(self%multigrid)
-    self%gradients = c_null_ptr
     self%multigrid = c_null_ptr
   end subroutine drop_solver
 
