@@ -176,7 +176,9 @@ contains
       call assemble_rows(state, a, sums)
       if (.not. allocated(state%space)) cycle
       call tilt_rows(state, a)
-      call finish_rows(state, a, sums)
+      associate (s => state%stencil(a), lo => state%stencil(a)%lo, n => state%stencil(a)%n)
+        call find_residual(lo(2:3), n(2:3), lo, n, s%low, s%high, s%centre, s%rhs, state%velocity(:, :, :, a), s%change, sums)
+      end associate
     end do
   end subroutine assemble_momentum
 
@@ -203,8 +205,8 @@ contains
   end function pushed
 
   !> All rows of one component, row of faces by row: what crosses the faces above a row (`above`) is still in the nearest
-  !> caches when it is wanted, what crosses those below is kept from the row before and the plane before, and a row is
-  !> finished while it is there.
+  !> caches when it is wanted, what crosses those below is kept from the row before and the plane before, and the residual of
+  !> a row is found while it is there.
   subroutine assemble_rows(state, a, sums)
     class(gas_state_t), intent(inout) :: state
     integer, intent(in) :: a
@@ -233,54 +235,47 @@ contains
           do b = 1, 3
             call find_crossing(state, sweep(b), [j, k], above(:, :, b))
           end do
-          call start_row(state, a, j, k, more)
-          call gather(lo(1), n(1), above, row_below, plane_below(:, :, j), s%low(:, :, j, k), s%high(:, :, j, k), &
-                      s%centre(:, j, k), s%rhs(:, j, k))
+          if (.not. more) s%rhs(:, j, k) = 0.0_wp
+          call gather(a, j, k, lo, n, above, row_below, plane_below(:, :, j), state%free(:, :, :, a), &
+                      state%fixed(:, :, :, a), state%source(:, :, :, a), state%passage(:, :, :, a), state%pressure, &
+                      s%low, s%high, s%centre, s%rhs)
           call close_row(state, a, j, k, rims)
-          if (.not. allocated(state%space)) call finish_row(state, a, j, k, rims, sums)
+          if (allocated(state%space)) cycle  ! its walls change rows yet
+          call find_residual([j, k], [j, k], lo, n, s%low, s%high, s%centre, s%rhs, state%velocity(:, :, :, a), s%change, sums)
         end do
       end do
     end associate
   end subroutine assemble_rows
 
-  !> What a row has without its neighbours: source - a (p_above - p_below), beside what stands on the right if there is `more`.
-  subroutine start_row(state, a, j, k, more)
-    class(gas_state_t), intent(inout) :: state
-    integer, intent(in) :: a, j, k
-    logical, intent(in) :: more
+  !> A row of faces: coefficients of the neighbours below and above, which the diagonal gathers beside what it has of its own;
+  !> source - a (p_above - p_below), beside what stands on the right already, and what the limiter adds to the upwind flows in,
+  !> less what it adds to those out. Where the velocity is given there is nothing but `fixed` and `source`. What was above the row
+  !> is below the next.
+  pure subroutine gather(a, j, k, lo, n, above, row_below, plane_below, free, fixed, source, passage, p, low, high, centre, rhs)
+    integer, intent(in) :: a, j, k, lo(3), n(3)
+    real(wp), intent(in) :: above(-1:n(1), 3, 3)
+    real(wp), intent(inout), dimension(-1:n(1), 3) :: row_below, plane_below
+    real(wp), intent(in), dimension(-1:n(1) + 2, -1:n(2) + 2, -1:n(3) + 2) :: free, fixed, source, passage, p
+    real(wp), intent(inout), dimension(lo(1):n(1), 3, lo(2):n(2), lo(3):n(3)) :: low, high
+    real(wp), intent(inout), dimension(lo(1):n(1), lo(2):n(2), lo(3):n(3)) :: centre, rhs
 
-    integer :: e(3)
+    integer :: i, e(3)
+    real(wp) :: push
 
     e = unit_step(a)
-    associate (lo => state%stencil(a)%lo(1), n => state%boxes%n(1), p => state%pressure)
-      if (.not. more) state%stencil(a)%rhs(:, j, k) = 0.0_wp
-      state%stencil(a)%rhs(:, j, k) = state%stencil(a)%rhs(:, j, k) + state%source(lo:n, j, k, a) &
-        - state%passage(lo:n, j, k, a)*(p(lo + e(1):n + e(1), j + e(2), k + e(3)) - p(lo:n, j, k))
-      state%stencil(a)%centre(:, j, k) = state%fixed(lo:n, j, k, a)
-    end associate
-  end subroutine start_row
-
-  !> Coefficients of the neighbours below and above a row of faces, which the diagonal gathers, and what the limiter adds to
-  !> the upwind flows in, less what it adds to those out. What was above the row is below the next.
-  pure subroutine gather(lo, n, above, row_below, plane_below, low, high, centre, rhs)
-    integer, intent(in) :: lo, n
-    real(wp), intent(in) :: above(-1:n, 3, 3)
-    real(wp), intent(inout), dimension(-1:n, 3) :: row_below, plane_below
-    real(wp), intent(out), dimension(lo:n, 3) :: low, high
-    real(wp), intent(inout), dimension(lo:n) :: centre, rhs
-
-    integer :: i
-
-    do i = lo, n
-      low(i, 1) = above(i - 1, 1, 1)
-      low(i, 2) = row_below(i, 1)
-      low(i, 3) = plane_below(i, 1)
-      high(i, 1) = above(i, 2, 1)
-      high(i, 2) = above(i, 2, 2)
-      high(i, 3) = above(i, 2, 3)
-      centre(i) = centre(i) + (low(i, 1) + high(i, 1)) + (low(i, 2) + high(i, 2)) + (low(i, 3) + high(i, 3))
-      rhs(i) = rhs(i) + (above(i - 1, 3, 1) - above(i, 3, 1)) + (row_below(i, 3) - above(i, 3, 2)) &
+    do i = lo(1), n(1)
+      push = rhs(i, j, k) - passage(i, j, k)*(p(i + e(1), j + e(2), k + e(3)) - p(i, j, k))
+      push = push + (above(i - 1, 3, 1) - above(i, 3, 1)) + (row_below(i, 3) - above(i, 3, 2)) &
         + (plane_below(i, 3) - above(i, 3, 3))
+      low(i, 1, j, k) = free(i, j, k)*above(i - 1, 1, 1)
+      low(i, 2, j, k) = free(i, j, k)*row_below(i, 1)
+      low(i, 3, j, k) = free(i, j, k)*plane_below(i, 1)
+      high(i, 1, j, k) = free(i, j, k)*above(i, 2, 1)
+      high(i, 2, j, k) = free(i, j, k)*above(i, 2, 2)
+      high(i, 3, j, k) = free(i, j, k)*above(i, 2, 3)
+      centre(i, j, k) = fixed(i, j, k) + (low(i, 1, j, k) + high(i, 1, j, k)) + (low(i, 2, j, k) + high(i, 2, j, k)) &
+        + (low(i, 3, j, k) + high(i, 3, j, k))
+      rhs(i, j, k) = source(i, j, k) + free(i, j, k)*push
       row_below(i, 1) = above(i, 1, 2)
       row_below(i, 3) = above(i, 3, 2)
       plane_below(i, 1) = above(i, 1, 3)
@@ -372,60 +367,5 @@ contains
 
     touches = j >= rim%lo(2) .and. j <= rim%hi(2) .and. k >= rim%lo(3) .and. k <= rim%hi(3)
   end function touches
-
-  !> Rows that walls within the domain have changed since they were closed.
-  subroutine finish_rows(state, a, sums)
-    class(gas_state_t), intent(inout) :: state
-    integer, intent(in) :: a
-    real(wp), intent(inout) :: sums(2)
-
-    type(rim_t) :: rims(6)
-    integer :: j, k
-
-    rims = rims_of(state, a)
-    associate (lo => state%stencil(a)%lo, n => state%boxes%n)
-      do k = lo(3), n(3)
-        do j = lo(2), n(2)
-          call finish_row(state, a, j, k, rims, sums)
-        end do
-      end do
-    end associate
-  end subroutine finish_rows
-
-  !> Keep the velocities that are given, those on the surface of the domain and on closed faces, and find the residual.
-  subroutine finish_row(state, a, j, k, rims, sums)
-    class(gas_state_t), intent(inout) :: state
-    integer, intent(in) :: a, j, k
-    type(rim_t), intent(in) :: rims(6)
-    real(wp), intent(inout) :: sums(2)
-
-    integer :: m
-
-    associate (s => state%stencil(a), u => state%velocity)
-      if (allocated(state%space)) call keep_given(state, a, j, k, s%lo(1), s%n(1))
-      do m = 5, 6
-        if (touches(rims(m), j, k)) call keep_given(state, a, j, k, rims(m)%lo(1), rims(m)%hi(1))
-      end do
-      call find_residual([j, k], [j, k], s%lo, s%n, s%low, s%high, s%centre, s%rhs, u(:, :, :, a), s%change, sums)
-    end associate
-  end subroutine finish_row
-
-  !> Of the faces from..to of a row.
-  subroutine keep_given(state, a, j, k, from, to)
-    class(gas_state_t), intent(inout) :: state
-    integer, intent(in) :: a, j, k, from, to
-
-    integer :: i
-
-    associate (s => state%stencil(a))
-      do i = from, to
-        if (state%free(i, j, k, a) > 0.0_wp) cycle
-        s%low(i, :, j, k) = 0.0_wp
-        s%high(i, :, j, k) = 0.0_wp
-        s%centre(i, j, k) = state%fixed(i, j, k, a)
-        s%rhs(i, j, k) = state%source(i, j, k, a)
-      end do
-    end associate
-  end subroutine keep_given
 
 end module momentum

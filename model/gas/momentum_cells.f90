@@ -20,7 +20,9 @@ module momentum_cells
     integer :: n(3)
     integer :: a, b
     integer :: e(3), s(3)     !< unit steps along a and b
-    integer :: corner(3, 4)   !< offsets of the pressure cells whose void fraction counts
+    integer :: cell(3)        !< how far apart in memory cells are along each axis
+    integer :: ahead, beside  !< and along a and b
+    integer :: corner(4)      !< how far the pressure cells are whose void fraction counts
     integer :: first          !< face along x
     integer :: surface(2)     !< index along b of the faces on the low and the high surface of the domain
     logical :: at_surface(2)  !< whether they are mine
@@ -37,24 +39,25 @@ contains
     integer, intent(in) :: a, b
     type(sweep_t), intent(out) :: sweep
 
-    integer :: e(3), s(3)
-
-    e = unit_step(a)
-    s = unit_step(b)
     sweep%limiter = state%limiter
     sweep%n = state%boxes%n
     sweep%a = a
     sweep%b = b
-    sweep%e = e
-    sweep%s = s
+    sweep%e = unit_step(a)
+    sweep%s = unit_step(b)
+    sweep%cell = [1, sweep%n(1) + 4, (sweep%n(1) + 4)*(sweep%n(2) + 4)]
+    sweep%ahead = sweep%cell(a)
+    sweep%beside = sweep%cell(b)
     ! the pressure cell that a face halves (b = a), or the four that meet at it
-    if (a == b) sweep%corner = spread(e, 2, 4)
-    if (a /= b) sweep%corner = reshape([0*e, e, s, e + s], [3, 4])
+    sweep%corner = sweep%ahead
+    if (a /= b) sweep%corner = [0, sweep%ahead, sweep%beside, sweep%ahead + sweep%beside]
     sweep%first = merge(0, state%first(1, a), b == 1)
     sweep%surface = [merge(-1, 0, a == b), state%boxes%n(b)]
     sweep%at_surface = state%boundary%side(:, b)%mine
     sweep%graded = .not. state%mesh%axis(b)%uniform
     allocate (sweep%along_x(0:sweep%n(1)), source=shape_of(sweep, state%spacing(1), 1))
+    if (b == 1) sweep%along_x(sweep%n(1)) = merge(0.0_wp, sweep%along_x(sweep%n(1)), sweep%at_surface(2))
+    if (b == 1 .and. a /= 1) sweep%along_x(0) = merge(0.0_wp, sweep%along_x(0), sweep%at_surface(1))
     allocate (sweep%along_y(0:sweep%n(2)), source=0.25_wp*state%viscosity*shape_of(sweep, state%spacing(2), 2))
     allocate (sweep%along_z(0:sweep%n(3)), source=shape_of(sweep, state%spacing(3), 3))
     if (sweep%graded) call find_slopes(sweep, state%spacing(b))
@@ -84,7 +87,8 @@ contains
       if (b /= 1) return
       do end = 1, 2
         if (.not. sweep%at_surface(end)) cycle
-        call cross_surface(sweep, sweep%surface(end), sweep%surface(end), row, state%flux(:, :, :, b), crossing)
+        if (sweep%surface(end) >= first) crossing(sweep%surface(end), 3) = 0.0_wp
+        if (sweep%surface(end) < first) call cross_surface(sweep, -1, -1, row, state%flux(:, :, :, b), crossing)
       end do
     end associate
   end subroutine find_crossing
@@ -110,27 +114,27 @@ contains
   pure subroutine cross(sweep, row, eps, flux, u, crossing, bridge)
     type(sweep_t), intent(in) :: sweep
     integer, intent(in) :: row(2)
-    real(wp), intent(in), dimension(-1:sweep%n(1) + 2, -1:sweep%n(2) + 2, -1:sweep%n(3) + 2) :: eps, flux, u
+    real(wp), intent(in), dimension(product(sweep%n + 4)) :: eps, flux, u  !< of all cells, in memory one row behind the other
     real(wp), intent(inout) :: crossing(-1:sweep%n(1), 3)
     real(wp), intent(in), optional :: bridge(-1:sweep%n(1), -1:sweep%n(2), -1:sweep%n(3))  !< see open_space
 
     real(wp), dimension(stretch) :: flow, before, beyond, upper, step, extra, ease
     real(wp) :: mu, viscous
-    integer :: from, i, j, k, m, x
+    integer :: at, from, i, j, k, m, x
 
     j = row(1)
     k = row(2)
     mu = sweep%along_y(j)*sweep%along_z(k)
-    associate (e => sweep%e, s => sweep%s, c => sweep%corner)
+    associate (ahead => sweep%ahead, beside => sweep%beside, c => sweep%corner)
       do from = sweep%first, sweep%n(1), stretch
         m = min(stretch, sweep%n(1) - from + 1)
+        at = 1 + dot_product(sweep%cell, [from, j + 1, k + 1])  ! the cell before the stretch
         do i = 1, m
-          x = from + i - 1
-          flow(i) = 0.5_wp*(flux(x, j, k) + flux(x + e(1), j + e(2), k + e(3)))
-          step(i) = u(x + s(1), j + s(2), k + s(3)) - u(x, j, k)
-          before(i) = u(x, j, k) - u(x - s(1), j - s(2), k - s(3))
-          beyond(i) = u(x + 2*s(1), j + 2*s(2), k + 2*s(3)) - u(x + s(1), j + s(2), k + s(3))
-          ease(i) = mu*sweep%along_x(x)
+          flow(i) = 0.5_wp*(flux(at + i) + flux(at + ahead + i))
+          step(i) = u(at + beside + i) - u(at + i)
+          before(i) = u(at + i) - u(at - beside + i)
+          beyond(i) = u(at + 2*beside + i) - u(at + beside + i)
+          ease(i) = mu*sweep%along_x(from + i - 1)
         end do
         do i = 1, m  ! on their own: loaded under a condition they would be gathered one by one
           upper(i) = merge(before(i), beyond(i), flow(i) > 0.0_wp)
@@ -141,9 +145,7 @@ contains
         if (present(bridge)) ease(:m) = ease(:m)*bridge(from:from + m - 1, j, k)
         do i = 1, m
           x = from + i - 1
-          viscous = ease(i)*(eps(x + c(1, 1), j + c(2, 1), k + c(3, 1)) &
-            + eps(x + c(1, 2), j + c(2, 2), k + c(3, 2)) + eps(x + c(1, 3), j + c(2, 3), k + c(3, 3)) &
-            + eps(x + c(1, 4), j + c(2, 4), k + c(3, 4)))
+          viscous = ease(i)*(eps(at + c(1) + i) + eps(at + c(2) + i) + eps(at + c(3) + i) + eps(at + c(4) + i))
           crossing(x, 1) = viscous + max(flow(i), 0.0_wp)
           crossing(x, 2) = viscous + max(-flow(i), 0.0_wp)
           crossing(x, 3) = abs(flow(i))*extra(i)

@@ -129,12 +129,12 @@ contains
           wall = 0.0_wp
           if (allocated(state%space%slide)) wall = more(1)*state%space%slide(x(1), x(2), x(3), a) &
                                                    - more(2)*state%space%slide(y(1), y(2), y(3), a)
-          if (all(x >= s%lo .and. x <= s%n)) then
+          if (is_solved(state, a, x)) then
             s%centre(x(1), x(2), x(3)) = s%centre(x(1), x(2), x(3)) + more(1)
             s%high(x(1), tilt%b, x(2), x(3)) = s%high(x(1), tilt%b, x(2), x(3)) + more(2)
             s%rhs(x(1), x(2), x(3)) = s%rhs(x(1), x(2), x(3)) + wall
           end if
-          if (all(y >= s%lo .and. y <= s%n)) then
+          if (is_solved(state, a, y)) then
             s%centre(y(1), y(2), y(3)) = s%centre(y(1), y(2), y(3)) + more(2)
             s%low(y(1), tilt%b, y(2), y(3)) = s%low(y(1), tilt%b, y(2), y(3)) + more(1)
             s%rhs(y(1), y(2), y(3)) = s%rhs(y(1), y(2), y(3)) - wall
@@ -143,6 +143,16 @@ contains
       end do
     end associate
   end subroutine tilt_rows
+
+  !> Whether the velocity on a face is an unknown of mine.
+  pure function is_solved(state, a, face)
+    class(gas_state_t), intent(in) :: state
+    integer, intent(in) :: a, face(3)
+    logical :: is_solved
+
+    is_solved = all(face >= state%stencil(a)%lo .and. face <= state%stencil(a)%n)
+    if (is_solved) is_solved = state%free(face(1), face(2), face(3), a) > 0.0_wp
+  end function is_solved
 
   !> Viscous stress times area between two flows over the difference of their velocities, as in momentum_cells [kg/s].
   pure function ease(state, tilt)
