@@ -85,7 +85,7 @@ contains
     call find_responses(state)
     state%report%mass_scale = mass_scale(state, dt)
     mass = find_imbalance(state)
-    force_scale = state%boxes%comm%sum(sum(abs(state%source)))
+    force_scale = state%boxes%comm%sum(sizes(size(state%source), state%source))
     if (allocated(state%ideal)) call heed_round_off(state, force_scale)
   end subroutine begin_step
 
@@ -131,6 +131,21 @@ contains
     state%report%momentum_residual = ratio(sums(1), force_scale + sums(2))
     state%report%mass_residual = ratio(mass, state%report%mass_scale)
   end subroutine judge
+
+  !> Sum of |x|.
+  pure function sizes(n, x) result(total)
+    integer, intent(in) :: n
+    real(wp), intent(in) :: x(n)
+    real(wp) :: total
+
+    integer :: i
+
+    total = 0.0_wp
+    !$omp simd reduction(+:total)
+    do i = 1, n
+      total = total + abs(x(i))
+    end do
+  end function sizes
 
   !> x/y, and 0 for nothing of nothing.
   pure function ratio(x, y)
@@ -267,8 +282,9 @@ contains
     rate = 0.0_wp
     do k = 1, n(3)
       do j = 1, n(2)
+        !$omp simd reduction(max:rate)
         do i = 1, n(1)
-          rate = max(rate, abs(u(i, j, k))/width(dot_product(e, [i, j, k])))
+          rate = max(rate, abs(u(i, j, k))/width(e(1)*i + e(2)*j + e(3)*k))
         end do
       end do
     end do
