@@ -10,18 +10,20 @@ from conftest import ROOT
 @pytest.mark.parametrize(
     ("name", "head", "loops"),
     [
-        ("des/contact_linear", "do k = 1, lanes", 6),
-        ("des/contact_hertz", "do k = 1, lanes", 2),
-        ("gas/convection", "do i = 1, n", 3),
-        ("gas/momentum_cells", "do i = 1, m", 3),
-        ("gas/momentum", "do i = lo, n", 1),
+        ("model/des/contact_linear", "do k = 1, lanes", 6),
+        ("model/des/contact_hertz", "do k = 1, lanes", 2),
+        ("model/gas/convection", "do i = 1, n", 3),
+        ("model/gas/momentum_cells", "do i = 1, m", 3),
+        ("model/gas/momentum", "do i = lo(1), n(1)", 2),
+        ("src/linear/pressure_solver", "do i = 1, n(1)", 4),
+        ("src/linear/momentum_solver", "do i = lo(1), n(1)", 3),
     ],
 )
 def test_vector_loops(tmp_path, name, head, loops):
     compiler = (ROOT / "build/release/flags").read_text().splitlines()[0].split()
     if "GNU" not in subprocess.run([compiler[0], "--version"], capture_output=True, text=True).stdout:
         pytest.skip("asks gfortran for its report")
-    source = ROOT / f"model/{name}.f90"
+    source = ROOT / f"{name}.f90"
     lines = [line.split("!")[0].strip() for line in source.read_text().splitlines()]
     kernels = [n for n, line in enumerate(lines, 1) if line == head]
     assert len(kernels) == loops

@@ -33,7 +33,7 @@ module pressure_solver
     logical, allocatable :: closed(:,:,:)       !< (cells) those without a pressure; exists if there may be any
     logical, allocatable :: held(:,:,:)         !< (0:n1+1,0:n2+1,0:n3+1) those with p = 0; exists if there may be any
     real(wp), allocatable :: diagonal(:,:,:)
-    real(wp), allocatable :: link(:,:,:,:)      !< (0:n1,0:n2,0:n3, a) c_f of a cell's upper face across a, if both sides are unknown
+    real(wp), allocatable :: link(:,:,:,:)      !< (0:n1,0:n2,0:n3, a) c_f of a cell's upper face across a, if both are unknown
     real(wp), allocatable :: residual(:,:,:)    !< (cells)
     real(wp), allocatable :: smoothed(:,:,:)    !< (cells) it after a cycle of multigrid
     real(wp), allocatable :: direction(:,:,:)   !< (-1:n1+2,-1:n2+2,-1:n3+2) in which the solution is improved
