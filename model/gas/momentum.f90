@@ -167,19 +167,21 @@ contains
     class(gas_state_t), intent(inout) :: state
     real(wp), intent(out) :: sums(2)  !< over my rows: of |residual|, and of |diagonal times velocity| [N]
 
+    real(wp) :: along(0:state%boxes%n(1), 2)
     integer :: a
 
-    sums = 0.0_wp
+    along = 0.0_wp
     do a = 1, 3
       if (.not. state%stencil(a)%active) cycle
       call start_forces(state, a)
-      call assemble_rows(state, a, sums)
+      call assemble_rows(state, a, along)
       if (.not. allocated(state%space)) cycle
       call tilt_rows(state, a)
       associate (s => state%stencil(a), lo => state%stencil(a)%lo, n => state%stencil(a)%n)
-        call find_residual(lo(2:3), n(2:3), lo, n, s%low, s%high, s%centre, s%rhs, state%velocity(:, :, :, a), s%change, sums)
+        call find_residual(lo(2:3), n(2:3), lo, n, s%low, s%high, s%centre, s%rhs, state%velocity(:, :, :, a), s%change, along)
       end associate
     end do
+    sums = sum(along, 1)
   end subroutine assemble_momentum
 
   !> What pushes a component that may change within a step: the weight of a density that varies, and a pressure drop along a
@@ -210,7 +212,7 @@ contains
   subroutine assemble_rows(state, a, sums)
     class(gas_state_t), intent(inout) :: state
     integer, intent(in) :: a
-    real(wp), intent(inout) :: sums(2)
+    real(wp), intent(inout) :: sums(0:state%boxes%n(1), 2)  !< see find_residual
 
     type(sweep_t) :: sweep(3)
     type(rim_t) :: rims(6)

@@ -62,16 +62,11 @@ contains
     real(wp), intent(out) :: force_scale  !< sum of the forces that do not change in the step [N]
     real(wp), intent(out) :: mass         !< sum of the cells' |imbalance| [kg/s]
 
-    integer :: a
-
     state%velocity_before = state%velocity
     state%pressure_before = state%pressure
     state%driving%drop_before = state%driving%drop
     call set_inflow(state%boundary, state%time + dt)
-    state%forces(:, :, :, 1) = state%drag
-    do a = 1, 3
-      state%forces(:, :, :, 1 + a) = state%drag_source(a, :, :, :)
-    end do
+    call gather_forces(state%boxes%n, state%drag, state%drag_source, state%forces)
     call state%halo%exchange(state%eps)
     call state%halo%exchange_many(state%forces)
     call prepare_faces(state, dt)
@@ -88,6 +83,27 @@ contains
     force_scale = state%boxes%comm%sum(sizes(size(state%source), state%source))
     if (allocated(state%ideal)) call heed_round_off(state, force_scale)
   end subroutine begin_step
+
+  !> Drag and its source side by side.
+  pure subroutine gather_forces(n, drag, drag_source, forces)
+    integer, intent(in) :: n(3)
+    real(wp), intent(in) :: drag(-1:n(1) + 2, -1:n(2) + 2, -1:n(3) + 2)
+    real(wp), intent(in) :: drag_source(3, -1:n(1) + 2, -1:n(2) + 2, -1:n(3) + 2)
+    real(wp), intent(inout) :: forces(-1:n(1) + 2, -1:n(2) + 2, -1:n(3) + 2, 4)
+
+    integer :: i, j, k
+
+    do k = 1, n(3)
+      do j = 1, n(2)
+        do i = 1, n(1)
+          forces(i, j, k, 1) = drag(i, j, k)
+          forces(i, j, k, 2) = drag_source(1, i, j, k)
+          forces(i, j, k, 3) = drag_source(2, i, j, k)
+          forces(i, j, k, 4) = drag_source(3, i, j, k)
+        end do
+      end do
+    end do
+  end subroutine gather_forces
 
   !> What mass residuals are measured by: the inflow; without one the flow that goes round or is asked for, the gas that
   !> moving particles push, or what gravity and pressure drop would set in motion in one step if nothing held it, as would the

@@ -62,16 +62,17 @@ contains
     type(communicator_t), intent(in) :: comm
     real(wp) :: sums(2)
 
+    real(wp) :: along(0:maxval(stencil%n(1)), 2)
     integer :: a
 
-    sums = 0.0_wp
+    along = 0.0_wp
     do a = 1, 3
       if (.not. stencil(a)%active) cycle
       associate (s => stencil(a))
-        call find_residual(s%lo(2:3), s%n(2:3), s%lo, s%n, s%low, s%high, s%centre, s%rhs, u(:, :, :, a), s%change, sums)
+        call find_residual(s%lo(2:3), s%n(2:3), s%lo, s%n, s%low, s%high, s%centre, s%rhs, u(:, :, :, a), s%change, along)
       end associate
     end do
-    sums = comm%sum(sums)
+    sums = comm%sum(sum(along, 1))
     self%sweeps = self%sweeps + 1
   end function residual
 
@@ -136,35 +137,33 @@ contains
     end do
   end subroutine add_change
 
-  !> change = rhs - A u in the rows from..to (y, z) of faces; its size and that of centre u are added to the sums.
+  !> change = rhs - A u in the rows from..to (y, z) of faces; its size and that of centre u are added to the sums, one for each
+  !> place of a row: to add up a row would take as long as the rest.
   pure subroutine find_residual(from, to, lo, n, low, high, centre, rhs, u, change, sums)
-    integer, intent(in) :: from(2), to(2), lo(3), n(3)
+    integer, intent(in) :: from(2), to(2)
+    integer, intent(in) :: lo(3), n(3)  !< lo is 0 or 1
     real(wp), intent(in), dimension(lo(1):n(1), 3, lo(2):n(2), lo(3):n(3)) :: low, high
     real(wp), intent(in), dimension(lo(1):n(1), lo(2):n(2), lo(3):n(3)) :: centre, rhs
     real(wp), intent(in) :: u(-1:n(1) + 2, -1:n(2) + 2, -1:n(3) + 2)
     real(wp), intent(inout) :: change(lo(1):n(1), lo(2):n(2), lo(3):n(3))
-    real(wp), intent(inout) :: sums(2)
+    real(wp), intent(inout) :: sums(0:n(1), 2)
 
     integer :: i, j, k
-    real(wp) :: own, off, size
+    real(wp) :: own
 
-    off = 0.0_wp
-    size = 0.0_wp
     do k = from(2), to(2)
       do j = from(1), to(1)
-        !$omp simd private(own) reduction(+:off, size)
         do i = lo(1), n(1)
           own = centre(i, j, k)*u(i, j, k)
           change(i, j, k) = rhs(i, j, k) - own &
             + low(i, 1, j, k)*u(i - 1, j, k) + high(i, 1, j, k)*u(i + 1, j, k) &
             + low(i, 2, j, k)*u(i, j - 1, k) + high(i, 2, j, k)*u(i, j + 1, k) &
             + low(i, 3, j, k)*u(i, j, k - 1) + high(i, 3, j, k)*u(i, j, k + 1)
-          off = off + abs(change(i, j, k))
-          size = size + abs(own)
+          sums(i, 1) = sums(i, 1) + abs(change(i, j, k))
+          sums(i, 2) = sums(i, 2) + abs(own)
         end do
       end do
     end do
-    sums = sums + [off, size]
   end subroutine find_residual
 
   !> Bring the residuals of all components down by `reduction` with BiCGSTAB.
