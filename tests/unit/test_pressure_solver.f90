@@ -18,6 +18,7 @@ program test_pressure_solver
   call solve_one('one cell thick, periodic', [16, 60, 1], [.true., .false., .true.], 2, 25)
   call solve_one('odd', [9, 25, 7], [.false., .false., .false.], 2, 25)
   call solve_one('periodic and odd', [9, 25, 5], [.true., .false., .true.], 2, 80)
+  call solve_one('many and odd', [63, 32, 63], [.true., .false., .true.], 2, 80)
   call solve_one('closed', [16, 24, 8], [.false., .false., .false.], 0, 25)
   call solve_one('closed, all periodic', [16, 24, 8], [.true., .true., .true.], 0, 25)
   call solve_one('closed, periodic, odd', [9, 15, 1], [.true., .true., .true.], 0, 50)
