@@ -56,8 +56,9 @@ contains
     sweep%at_surface = state%boundary%side(:, b)%mine
     sweep%graded = .not. state%mesh%axis(b)%uniform
     allocate (sweep%along_x(0:sweep%n(1)), source=shape_of(sweep, state%spacing(1), 1))
-    if (b == 1) sweep%along_x(sweep%n(1)) = merge(0.0_wp, sweep%along_x(sweep%n(1)), sweep%at_surface(2))
-    if (b == 1 .and. a /= 1) sweep%along_x(0) = merge(0.0_wp, sweep%along_x(0), sweep%at_surface(1))
+    ! friction on the surface of the domain is treated apart
+    if (b == 1 .and. a /= 1 .and. sweep%at_surface(1)) sweep%along_x(0) = 0.0_wp
+    if (b == 1 .and. sweep%at_surface(2)) sweep%along_x(sweep%n(1)) = 0.0_wp
     allocate (sweep%along_y(0:sweep%n(2)), source=0.25_wp*state%viscosity*shape_of(sweep, state%spacing(2), 2))
     allocate (sweep%along_z(0:sweep%n(3)), source=shape_of(sweep, state%spacing(3), 3))
     if (sweep%graded) call find_slopes(sweep, state%spacing(b))

@@ -237,14 +237,14 @@ contains
   subroutine set_matrix(self, diagonal, upper)
     class(hypre_struct_t), intent(inout) :: self
     real(wp), intent(in), contiguous :: diagonal(:,:,:)  !< (cells)
-    real(wp), intent(in), contiguous :: upper(:,:,:,:)   !< (cells, a) what draws a cell to its upper neighbour
+    real(wp), intent(in), contiguous :: upper(:,:,:,:)   !< (cells, a) coefficient of the upper neighbour across a
 
     integer(c_int) :: error
     integer :: a
 
     error = matrix_values(self%matrix, self%lo, self%hi, 1_c_int, entry(1:1), diagonal)
     do a = 1, 3
-      error = matrix_values(self%matrix, self%lo, self%hi, 1_c_int, entry(a + 1:a + 1), -upper(:, :, :, a))
+      error = matrix_values(self%matrix, self%lo, self%hi, 1_c_int, entry(a + 1:a + 1), upper(:, :, :, a))
     end do
     error = matrix_assemble(self%matrix)
     call drop_solver(self)

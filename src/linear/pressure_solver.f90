@@ -35,9 +35,9 @@ module pressure_solver
     type(free_levels_t) :: levels               !< where no pressure is given
     logical, allocatable :: closed(:,:,:)       !< (cells) those without a pressure; exists if there may be any
     logical, allocatable :: held(:,:,:)         !< (0:n1+1,0:n2+1,0:n3+1) those with p = 0; exists if there may be any
-    real(wp), allocatable :: diagonal(:,:,:)
+    real(wp), allocatable :: diagonal(:,:,:)    !< (cells) sum of c_f, and s_cell
     real(wp), allocatable :: link(:,:,:,:)      !< (0:n1,0:n2,0:n3, a) c_f of a cell's upper face across a, if both are unknown
-    real(wp), allocatable :: residual(:,:,:)    !< (cells)
+    real(wp), allocatable :: residual(:,:,:)    !< (cells) b less matrix times solution
     real(wp), allocatable :: smoothed(:,:,:)    !< (cells) it after a cycle of multigrid
     real(wp), allocatable :: direction(:,:,:)   !< (-1:n1+2,-1:n2+2,-1:n3+2) in which the solution is improved
     real(wp), allocatable :: image(:,:,:)       !< (cells) matrix times direction
@@ -90,7 +90,7 @@ contains
     real(wp), intent(in), contiguous :: conductance(-1:, -1:, -1:, :)  !< (cell, a): c_f of its upper face across a
     real(wp), intent(in), optional :: capacity(:,:,:)                  !< (cells) s_cell, none if not given
 
-    real(wp), allocatable :: upper(:,:,:,:)  !< (cells, a)
+    real(wp), allocatable :: upper(:,:,:,:)  !< (cells, a) coefficient of the upper neighbour across a
     real(wp) :: usual
     integer :: a, p
 
@@ -109,7 +109,7 @@ contains
       usual = self%comm%max(maxval(self%diagonal))
       where (self%closed) self%diagonal = usual
     end if
-    upper = self%link(1:, 1:, 1:, :)
+    upper = -self%link(1:, 1:, 1:, :)
     do a = 1, 3
       if (self%at_seam(a)) call clear_last(a, upper(:, :, :, a))
     end do
@@ -189,7 +189,9 @@ contains
     real(wp), intent(inout), contiguous :: p(-1:, -1:, -1:)  !< 0 in the cells
     integer, intent(out) :: iterations
 
-    real(wp) :: left, goal, slope, slope_before, bend
+    real(wp) :: left, goal           !< square of the 2-norm of the residual, and what it shall be
+    real(wp) :: slope, slope_before  !< residual . smoothed
+    real(wp) :: bend                 !< direction . matrix times direction
 
     self%residual = b
     left = self%comm%sum(product_of(self%n, b, b))
