@@ -7,7 +7,7 @@ module cohesion_sweep
   use contact_laws, only: contact_laws_t
   use contact_list, only: contact_list_t
   use kinds, only: wp
-  use parcels, only: parcels_t, radius_row, force_place
+  use parcels, only: parcels_t, radius_row
   use walls, only: wall_list_t
   implicit none
   private
@@ -25,7 +25,7 @@ contains
     type(parcels_t), intent(inout) :: parcels
 
     real(wp) :: pair(4, block_pairs), near(4, block_pairs), curvature(block_pairs), force(3, block_pairs)
-    integer :: entry(block_pairs), place(2), before, count, last, n, full, m, k
+    integer :: entry(block_pairs), at, before, count, last, n, full, m, k
 
     last = list%first(rows(2) + 1) - 1
     do before = list%first(rows(1)) - 1, last - 1, block_pairs
@@ -48,9 +48,10 @@ contains
       end do
       call attractions(cohesion, full, near, curvature, force)
       do m = 1, n
-        place = force_place([list%row(entry(m)), list%partner(entry(m))], parcels%n, parcels%ring)
-        parcels%force(1:3, place(1)) = parcels%force(1:3, place(1)) + force(:, m)
-        parcels%force(1:3, place(2)) = parcels%force(1:3, place(2)) - force(:, m)
+        at = parcels%force_at(list%row(entry(m)))
+        parcels%force(at:at + 2) = parcels%force(at:at + 2) + force(:, m)
+        at = parcels%force_at(list%partner(entry(m)))
+        parcels%force(at:at + 2) = parcels%force(at:at + 2) - force(:, m)
       end do
     end do
   end subroutine attract_pairs
@@ -145,14 +146,14 @@ contains
     type(parcels_t), intent(inout) :: parcels
 
     real(wp) :: pair(4, lanes), curvature(lanes), force(3, lanes)
-    integer :: place
+    integer :: at
 
     if (.not. distance < parcels%state(radius_row, i) + cohesion%reach) return
     pair = spread([way, parcels%state(radius_row, i)], 2, lanes)
     curvature = 1/parcels%state(radius_row, i)
     call attractions(cohesion, lanes, pair, curvature, force)
-    place = force_place(i, parcels%n, parcels%ring)
-    parcels%force(1:3, place) = parcels%force(1:3, place) + force(:, 1)
+    at = parcels%force_at(i)
+    parcels%force(at:at + 2) = parcels%force(at:at + 2) + force(:, 1)
   end subroutine attract
 
 end module cohesion_sweep

@@ -29,12 +29,13 @@ contains
     real(wp), intent(in) :: dt              !< [s]
 
     real(wp) :: drive(3)
-    integer :: i
+    integer :: i, at
 
     drive = gravity
     do i = columns(1), columns(2)
       if (parcels%with_gas) drive = parcels%coupled(drive_row:drive_row + 2, i)
-      associate (force => parcels%force(:, force_place(i, parcels%n, parcels%ring)), per_mass => parcels%state(8, i))
+      at = parcels%force_at(i)
+      associate (force => parcels%force(at:at + size(parcels%aside, 1) - 1), per_mass => parcels%state(8, i))
         parcels%aside(:, i) = 0.0_wp
         parcels%aside(1:3, i) = 0.5_wp*dt*(per_mass*force(1:3) + drive)
         if (parcels%rotation) parcels%aside(5:7, i) = 0.5_wp*dt*per_inertia*per_mass*force(5:7)
@@ -102,16 +103,16 @@ contains
 
     associate (p => parcels)
       if (p%with_gas .and. p%rotation) then
-        call move_spinning(columns, p%coupled, 1, times, p%ring, p%state, p%aside, p%force, fastest, energy)
+        call move_spinning(columns, p%coupled, 1, times, p%ring, p%state, p%aside, p%force(p%force_start), fastest, energy)
       else if (p%with_gas) then
-        call move_smooth(columns, p%coupled, 1, times, p%ring, p%state, p%aside, p%force, fastest, energy)
+        call move_smooth(columns, p%coupled, 1, times, p%ring, p%state, p%aside, p%force(p%force_start), fastest, energy)
       else
         drive = 0.0_wp
         drive(1:3, 1) = gravity
         if (p%rotation) then
-          call move_spinning(columns, drive, 0, times, p%ring, p%state, p%aside, p%force, fastest, energy)
+          call move_spinning(columns, drive, 0, times, p%ring, p%state, p%aside, p%force(p%force_start), fastest, energy)
         else
-          call move_smooth(columns, drive, 0, times, p%ring, p%state, p%aside, p%force, fastest, energy)
+          call move_smooth(columns, drive, 0, times, p%ring, p%state, p%aside, p%force(p%force_start), fastest, energy)
         end if
       end if
     end associate

@@ -2,6 +2,7 @@
 !>
 !> What a contact reads lies in one row of `state`, so that a pair costs two short runs of memory.
 module parcels
+  use cache_lines, only: line_start, line_reals
   use kinds, only: wp, i8
   implicit none
   private
@@ -32,7 +33,9 @@ module parcels
     logical :: rotation = .false.             !< whether parcels spin: state has 12 rows, else 8
     logical :: with_gas = .false.             !< whether `coupled` exists
     real(wp), allocatable :: state(:,:)       !< (12 or 8, capacity), see the rows above
-    real(wp), allocatable :: force(:,:)       !< (8 or 4, 0:ring) contact force 1:3 [N], torque/radius 5:7 [N]: see force_place
+    real(wp), allocatable :: force(:)         !< columns 0 to `ring`, of 8 or 4, of contact force 1:3 [N], torque/radius 5:7 [N],
+                                              !< from element `force_start` on: see force_place, force_at
+    integer :: force_start = 1                !< begins a cache line
     integer :: ring = 0                       !< a power of two
     real(wp), allocatable :: coupled(:,:)     !< (12, capacity) what the gas does, see the rows above
     real(wp), allocatable :: aside(:,:)       !< (8 or 4, capacity) rows of `state` from velocity on, or their lead: see motion
@@ -45,6 +48,7 @@ module parcels
     procedure :: create
     procedure :: reserve
     procedure :: make_ring
+    procedure :: force_at
     procedure :: reorder
     procedure :: n_all
     procedure :: packed_rows
@@ -102,7 +106,8 @@ contains
       self%ring = 2*self%ring
     end do
     if (allocated(self%force)) deallocate (self%force)
-    allocate (self%force(size(self%state, 1) - radius_row, 0:self%ring), source=0.0_wp)
+    allocate (self%force(force_rows(self)*(self%ring + 1) + line_reals - 1), source=0.0_wp)
+    self%force_start = line_start(self%force)
   end subroutine make_ring
 
   !> The column of `force` for a parcel. A parcel's force is gathered from the stretch of rows that has its first partner to
@@ -116,6 +121,22 @@ contains
 
     place = merge(1 + iand(column - 1, ring - 1), 0, column <= own)
   end function force_place
+
+  !> The first element of `force` for a parcel.
+  pure function force_at(self, column) result(at)
+    class(parcels_t), intent(in) :: self
+    integer, intent(in) :: column
+    integer :: at
+
+    at = self%force_start + force_rows(self)*force_place(column, self%n, self%ring)
+  end function force_at
+
+  pure function force_rows(self) result(rows)
+    class(parcels_t), intent(in) :: self
+    integer :: rows
+
+    rows = merge(frictional_rows, frictionless_rows, self%rotation) - radius_row
+  end function force_rows
 
   !> Put parcel order(k) into column k, for k from 1 to size(order), which becomes the number of
   !> parcels. Ghosts are not kept.

@@ -34,7 +34,7 @@ module solids
   private
   public :: solids_t
 
-  real(wp), parameter :: tolerated_imbalance = 1.1_wp  !< largest load over the mean before tiles change hands
+  real(wp), parameter :: tolerated_imbalance = 1.05_wp  !< largest load over the mean before tiles change hands
   real(wp), parameter :: farthest_step = 0.1_wp      !< way of a parcel in one step, over the smallest radius
 
   type :: solids_t
@@ -434,7 +434,7 @@ contains
     changed = .false.
     if (self%comm%size == 1 .or. self%weighed == self%rebuilds) return
     self%weighed = self%rebuilds
-    work = work_of_tiles(self%tiles, self%parcels, self%list)
+    work = work_of_tiles(self%tiles, self%parcels, self%list, self%walls%parcel(1:self%walls%entries))
     if (self%tiles%imbalance(work) <= tolerated_imbalance) return
     call self%tiles%repartition(work, changed)
     if (.not. changed) return

@@ -8,25 +8,29 @@ module tile_work
   private
   public :: work_of_tiles
 
-  ! Over that of a parcel by itself; fitted to the times of two ranks of a bubbling bed, 100 steps each.
+  ! Over that of a parcel by itself, coupling and lists included; fitted to the steps of two ranks of a bubbling bed.
   real(wp), parameter :: entry_work = 0.2_wp  !< of a listed pair
-  real(wp), parameter :: touch_work = 0.75_wp  !< of one that touches, beside
+  real(wp), parameter :: touch_work = 1.5_wp  !< of one that touches, beside
+  real(wp), parameter :: wall_work = 2.5_wp   !< of a parcel near walls, beside
 
 contains
 
   !> Of my parcels and of the pairs in their rows, over that of a parcel by itself.
-  pure function work_of_tiles(tiles, parcels, list) result(work)
+  pure function work_of_tiles(tiles, parcels, list, near_walls) result(work)
     type(tiles_t), intent(in) :: tiles
     type(parcels_t), intent(in) :: parcels
     type(contact_list_t), intent(in) :: list
+    integer, intent(in) :: near_walls(:)  !< columns of parcels near walls
     real(wp) :: work(tiles%total)
 
-    real(wp) :: own
+    real(wp) :: own, beside(parcels%n)
     integer :: i, k, t
 
     work = 0.0_wp
+    beside = 0.0_wp
+    beside(near_walls) = wall_work
     do i = 1, parcels%n
-      own = 1 + entry_work*(list%first(i + 1) - list%first(i))
+      own = 1 + beside(i) + entry_work*(list%first(i + 1) - list%first(i))
       do k = list%first(i), list%first(i + 1) - 1
         associate (a => parcels%state(:, i), b => parcels%state(:, list%partner(k)))
           if (sum((a(1:3) - b(1:3))**2) < (a(radius_row) + b(radius_row))**2) own = own + touch_work

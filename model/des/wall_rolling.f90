@@ -4,7 +4,7 @@ module wall_rolling
   use contact_lanes, only: lanes, full_lanes
   use contact_law, only: contact_law_t
   use kinds, only: wp
-  use parcels, only: parcels_t, mass_row, spin_row, curvature_row, force_place
+  use parcels, only: parcels_t, mass_row, spin_row, curvature_row
   use rolling, only: rolling_torques
   use wall_entries, only: wall_entries_t
   implicit none
@@ -24,7 +24,7 @@ contains
 
     real(wp), dimension(3, size(touching) + lanes) :: push, angle, torque
     real(wp) :: turn(5, size(touching) + lanes)
-    integer :: m, n, i, w, full
+    integer :: m, n, i, w, at, full
 
     n = size(touching)
     full = full_lanes(n)
@@ -49,9 +49,8 @@ contains
     do m = 1, n
       w = touching(m)
       i = self%parcel(w)
-      associate (torques => parcels%force(5:7, force_place(i, parcels%n, parcels%ring)))
-        torques = torques + parcels%state(curvature_row, i)*torque(:, m)
-      end associate
+      at = parcels%force_at(i) + 4
+      parcels%force(at:at + 2) = parcels%force(at:at + 2) + parcels%state(curvature_row, i)*torque(:, m)
       if (law%rolling%spring) self%angle(:, w) = angle(:, m)
     end do
   end subroutine roll

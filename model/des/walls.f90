@@ -12,7 +12,7 @@ module walls
   use kinds, only: wp
   use mesh_contacts, only: find_contacts, hand_over
   use mesh_wall, only: closest
-  use parcels, only: parcels_t, force_place
+  use parcels, only: parcels_t
   use wall_entries, only: wall_entries_t, shift_of
   use wall_rolling, only: roll
   use chamber, only: chamber_t, face_normal, n_faces
@@ -394,7 +394,7 @@ contains
 
     real(wp) :: spin(4, block_pairs), record(lanes, record_rows, block_pairs/lanes), force(8, block_pairs)
     real(wp) :: push(4, block_pairs), curvature(block_pairs)
-    integer :: n, m, i, full
+    integer :: n, m, at, full
 
     n = size(touching)
     full = full_lanes(n)
@@ -405,8 +405,8 @@ contains
       curvature(1:full) = 1/pair(4, 1:full)
       call frictionless_forces(law, full, pair, curvature, push)
       do m = 1, n
-        i = force_place(self%parcel(touching(m)), parcels%n, parcels%ring)
-        parcels%force(1:3, i) = parcels%force(1:3, i) + push(1:3, m)
+        at = parcels%force_at(self%parcel(touching(m)))
+        parcels%force(at:at + 2) = parcels%force(at:at + 2) + push(1:3, m)
       end do
       return
     end if
@@ -421,10 +421,10 @@ contains
     call friction_forces(law, full, pair, spin, record, force)
     if (law%rolling%on) call roll(self%wall_entries_t, chamber, law, touching, pair, force, parcels)
     do m = 1, n
-      i = force_place(self%parcel(touching(m)), parcels%n, parcels%ring)
       self%slip(1:3, touching(m)) = record(lane_of(m), 1:3, group_of(m))
       self%slip(4, touching(m)) = self%step
-      parcels%force(:, i) = parcels%force(:, i) + force(:, m)
+      at = parcels%force_at(self%parcel(touching(m)))
+      parcels%force(at:at + 7) = parcels%force(at:at + 7) + force(:, m)
     end do
   end subroutine apply_law
 
