@@ -30,7 +30,7 @@ module close_pairs
     integer :: n = 0
     integer :: swept = 0                  !< pairs whose forces of this step are known
     integer :: window = 0                 !< columns that tight pairs of a stretch may need
-    integer, allocatable :: entry(:)      !< (n + 1) of the list; behind the last 0
+    integer, allocatable :: entry(:)      !< (n) of the list
     integer, allocatable :: i(:), j(:)    !< (n) columns of the parcels
     real(wp), allocatable :: record(:,:,:)  !< (lanes, record_rows, for n) of tight pairs, see contact_lanes; those beyond n do
                                             !< no harm
@@ -62,7 +62,7 @@ contains
     integer :: k
 
     self%n = list%entries
-    self%entry = [(k, k=1, self%n), 0]
+    self%entry = [(k, k=1, self%n)]
     self%i = list%row(1:self%n)
     self%j = list%partner(1:self%n)
     self%way_left = 0.0_wp
@@ -111,17 +111,19 @@ contains
     end if
   end function remembers
 
-  !> The slip of a pair and, if there is one, the angle.
+  !> The slip of a pair and the angle, 0 if there is none.
   pure function memory_of(self, pair) result(memory)
     class(close_pairs_t), intent(in) :: self
     integer, intent(in) :: pair
-    real(wp) :: memory(merge(6, 3, self%with_angles))
+    real(wp) :: memory(6)
 
+    memory(4:6) = 0.0_wp
     if (self%tight) then
       memory(1:3) = self%record(lane_of(pair), 1:3, group_of(pair))
       if (self%with_angles) memory(4:6) = self%angle(:, pair)
     else
-      memory = self%memory(:, self%place(pair))
+      memory(1:3) = self%memory(1:3, self%place(pair))
+      if (self%with_angles) memory(4:6) = self%memory(4:6, self%place(pair))
     end if
   end function memory_of
 
@@ -129,14 +131,14 @@ contains
   pure subroutine remind(self, pair, memory)
     class(close_pairs_t), intent(inout) :: self
     integer, intent(in) :: pair
-    real(wp), intent(in) :: memory(:)  !< as `memory_of`
+    real(wp), intent(in) :: memory(6)  !< as `memory_of`
 
     if (self%place(pair) == 0) then
       call self%make_room(self%memories + 1)
       self%memories = self%memories + 1
       self%place(pair) = self%memories
     end if
-    self%memory(:, self%place(pair)) = memory
+    self%memory(:, self%place(pair)) = memory(:size(self%memory, 1))
   end subroutine remind
 
   !> Parcels have gone so far at most.
@@ -211,42 +213,43 @@ contains
     real(wp), intent(in), contiguous :: state(:,:)
     real(wp), intent(in) :: gap      !< [m]
 
-    integer, dimension(list%entries + 1) :: entry, was  ! in the list; among the pairs at hand, 0: none
-    integer :: first, count, m, n, p
+    integer :: entry(list%entries), first, count, m, n, near(block_pairs)
     real(wp) :: way(4, block_pairs)
-    logical :: at_hand
 
     n = 0
-    p = 1
     do first = 0, list%entries - 1, block_pairs
       count = min(list%entries - first, block_pairs)
       call pair_ways(size(state, 1), state, count, list%row(first + 1:), list%partner(first + 1:), way)
+      !$omp simd
       do m = 1, count
-        at_hand = self%entry(p) == first + m
+        near(m) = merge(1, 0, way(1, m)**2 + way(2, m)**2 + way(3, m)**2 - (way(4, m) + gap)**2 < 0.0_wp)
+      end do
+      do m = 1, count
         entry(n + 1) = first + m
-        was(n + 1) = merge(p, 0, at_hand)
-        p = p + merge(1, 0, at_hand)
-        n = n + merge(1, 0, way(1, m)**2 + way(2, m)**2 + way(3, m)**2 < (way(4, m) + gap)**2)
+        n = n + near(m)
       end do
     end do
-    entry(n + 1) = 0
+    if (self%with_history) call keep_memories(self, list%entries, entry(1:n))
     self%n = n
-    self%entry = entry(1:n + 1)
+    self%entry = entry(1:n)
     self%i = list%row(entry(1:n))
     self%j = list%partner(entry(1:n))
-    if (self%with_history) call keep_memories(self, was(1:n))
   end subroutine choose
 
   !> Pairs that were others before keep their memories.
-  subroutine keep_memories(self, was)
+  subroutine keep_memories(self, entries, entry)
     class(close_pairs_t), intent(inout) :: self
-    integer, intent(in) :: was(:)  !< (n) place among the pairs before, 0: none
+    integer, intent(in) :: entries   !< of the list
+    integer, intent(in) :: entry(:)  !< of the new pairs
 
+    integer :: of_list(entries)
     integer, allocatable :: place(:)
 
-    allocate (place(0:self%n))
+    of_list = 0
+    of_list(self%entry(1:self%n)) = self%place(1:self%n)
+    allocate (place(0:size(entry)))
     place(0) = 0
-    place(1:) = self%place(was)
+    place(1:) = of_list(entry)
     call move_alloc(place, self%place)
   end subroutine keep_memories
 
@@ -279,11 +282,12 @@ contains
   subroutine loosen(self)
     class(close_pairs_t), intent(inout) :: self
 
-    real(wp) :: memory(merge(6, 3, self%with_angles))
+    real(wp) :: memory(6)
     integer :: pair
 
     call self%forget_all()
     if (.not. self%with_history) return
+    memory = 0.0_wp
     do pair = 1, self%n
       memory(1:3) = self%record(lane_of(pair), 1:3, group_of(pair))
       if (self%with_angles) memory(4:6) = self%angle(:, pair)

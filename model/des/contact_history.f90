@@ -70,14 +70,14 @@ contains
     class(history_t), intent(inout) :: self
     integer, intent(in) :: own, other
     integer(i8), intent(in) :: other_id
-    real(wp), intent(in) :: slip(:)  !< (rows)
+    real(wp), intent(in) :: slip(:)  !< (rows, or more that do not count)
 
     if (self%n == size(self%own)) call resize(self, 2*self%n)
     self%n = self%n + 1
     self%own(self%n) = own
     self%other(self%n) = other
     self%other_id(self%n) = other_id
-    self%slip(:, self%n) = slip
+    self%slip(:, self%n) = slip(:self%rows)
   end subroutine append
 
   !> Parcels have changed their columns: place(old column) is the new one.
@@ -103,7 +103,9 @@ contains
     real(wp), intent(in) :: step  !< number of the last step
 
     integer :: first_wall(parcels%n), next_wall(walls%entries), m, w, k, i, j
+    real(wp) :: memory(6)
 
+    memory = 0.0_wp
     first_wall = 0
     do w = walls%entries, 1, -1
       next_wall(w) = first_wall(walls%parcel(w))
@@ -112,21 +114,22 @@ contains
     do m = 1, self%n
       i = self%own(m)
       j = self%other(m)
+      memory(:self%rows) = self%slip(:, m)
       if (j > 0) then
         k = entry_of(list, min(i, j), max(i, j))
         if (k > 0) then
-          call pairs%remind(k, merge(1.0_wp, -1.0_wp, i < j)*self%slip(:, m))
+          call pairs%remind(k, merge(1.0_wp, -1.0_wp, i < j)*memory)
         else
           ! A periodic face has come between the two: each now touches the image of the other.
-          call restore_image(list, pairs, parcels, i, parcels%id(j), self%slip(:, m))
-          call restore_image(list, pairs, parcels, j, parcels%id(i), -self%slip(:, m))
+          call restore_image(list, pairs, parcels, i, parcels%id(j), memory)
+          call restore_image(list, pairs, parcels, j, parcels%id(i), -memory)
         end if
       else if (self%other_id(m) > 0) then
-        call restore_image(list, pairs, parcels, i, self%other_id(m), self%slip(:, m))
+        call restore_image(list, pairs, parcels, i, self%other_id(m), memory)
       else
         w = first_wall(i)
         do while (w > 0)
-          if (walls%face(w) == -self%other_id(m)) call walls%remind(w, self%slip(:, m), step)
+          if (walls%face(w) == -self%other_id(m)) call walls%remind(w, memory, step)
           w = next_wall(w)
         end do
       end if
@@ -145,19 +148,19 @@ contains
     entry = 0
   end function entry_of
 
-  !> Give a slip to the entry of row i whose partner has the given id.
-  pure subroutine restore_image(list, pairs, parcels, i, id, slip)
+  !> Give what is remembered to the entry of row i whose partner has the given id.
+  pure subroutine restore_image(list, pairs, parcels, i, id, memory)
     type(contact_list_t), intent(in) :: list
     type(close_pairs_t), intent(inout) :: pairs
     type(parcels_t), intent(in) :: parcels
     integer, intent(in) :: i
     integer(i8), intent(in) :: id
-    real(wp), intent(in) :: slip(:)  !< (rows)
+    real(wp), intent(in) :: memory(6)
 
     integer :: k
 
     do k = list%first(i), list%first(i + 1) - 1
-      if (parcels%id(list%partner(k)) == id) call pairs%remind(k, slip)
+      if (parcels%id(list%partner(k)) == id) call pairs%remind(k, memory)
     end do
   end subroutine restore_image
 

@@ -46,7 +46,7 @@ contains
     mass = comm%sum(mass)
   end subroutine settle_owners
 
-  !> Send parcel i to the rank destination(i). All ranks take part. Who stays keeps the order; who comes is
+  !> Send parcel i to the rank destination(i). All ranks take part. The last of those that stay fill the gaps; who comes is
   !> appended.
   subroutine migrate(comm, destination, parcels, history)
     type(communicator_t), intent(in) :: comm
@@ -55,16 +55,17 @@ contains
     type(history_t), intent(inout) :: history
 
     type(history_t) :: leaving
-    integer, allocatable :: stays(:), leaves(:)
-    integer :: place(parcels%n), i
+    integer, allocatable :: leaves(:)
+    integer :: column(parcels%n), place(parcels%n), stay, i
 
-    stays = pack([(i, i=1, parcels%n)], destination == comm%rank)
-    leaves = pack([(i, i=1, parcels%n)], destination /= comm%rank .and. destination /= nowhere)
-    place = 0
-    place(stays) = [(i, i=1, size(stays))]
+    column = [(i, i=1, parcels%n)]
+    stay = count(destination == comm%rank)
+    leaves = pack(column, destination /= comm%rank .and. destination /= nowhere)
+    place = merge(column, 0, destination == comm%rank)
+    place(pack(column(stay + 1:), destination(stay + 1:) == comm%rank)) = pack(column(:stay), destination(:stay) /= comm%rank)
     place(leaves) = -[(i, i=1, size(leaves))]
     call part_records(parcels, place, history, leaving)
-    call swap_parcels(comm, destination(leaves), leaves, stays, parcels, history, leaving)
+    call swap_parcels(comm, destination(leaves), leaves, place, parcels, history, leaving)
   end subroutine migrate
 
   !> Split the records between those whose parcel stays, which follow it to its new column, and those that
@@ -75,43 +76,55 @@ contains
     type(history_t), intent(inout) :: history
     type(history_t), intent(inout) :: leaving  !< `own` counts the parcels that leave
 
-    type(history_t) :: all
-    integer :: m, i, j
+    integer :: records, m, i, j
 
-    all = history
-    call history%clear()
+    records = history%n
+    history%n = 0
     leaving%rows = history%rows
     call leaving%clear()
-    do m = 1, all%n
-      i = all%own(m)
-      j = all%other(m)
+    do m = 1, records  ! of which at most so many are back in `history`
+      i = history%own(m)
+      j = history%other(m)
       if (j == 0) then
-        call hand_over(place(i), all%other_id(m), all%slip(:, m))
+        call hand_over(place(i), history%other_id(m), 1.0_wp)
       else if (place(i) > 0 .and. place(j) > 0) then
-        call history%append(place(i), place(j), 0_i8, all%slip(:, m))
+        call keep(place(i), place(j), 0_i8, 1.0_wp)
       else
-        call hand_over(place(i), parcels%id(j), all%slip(:, m))
-        call hand_over(place(j), parcels%id(i), -all%slip(:, m))
+        call hand_over(place(i), parcels%id(j), 1.0_wp)
+        call hand_over(place(j), parcels%id(i), -1.0_wp)
       end if
     end do
 
   contains
 
-    subroutine hand_over(to, id, slip)
+    subroutine hand_over(to, id, direction)
       integer, intent(in) :: to
       integer(i8), intent(in) :: id
-      real(wp), intent(in) :: slip(:)
+      real(wp), intent(in) :: direction
 
-      if (to > 0) call history%append(to, 0, id, slip)
-      if (to < 0) call leaving%append(-to, 0, id, slip)
+      if (to > 0) call keep(to, 0, id, direction)
+      if (to < 0) call leaving%append(-to, 0, id, direction*history%slip(:, m))
     end subroutine hand_over
+
+    subroutine keep(own, other, id, direction)
+      integer, intent(in) :: own, other
+      integer(i8), intent(in) :: id
+      real(wp), intent(in) :: direction
+
+      history%n = history%n + 1
+      history%own(history%n) = own
+      history%other(history%n) = other
+      history%other_id(history%n) = id
+      history%slip(:, history%n) = direction*history%slip(:, m)
+    end subroutine keep
   end subroutine part_records
 
   !> The messages: parcels, then their records in the order of the parcels.
-  subroutine swap_parcels(comm, destination, leaves, stays, parcels, history, leaving)
+  subroutine swap_parcels(comm, destination, leaves, place, parcels, history, leaving)
     type(communicator_t), intent(in) :: comm
     integer, intent(in) :: destination(:)  !< (size(leaves)) rank
-    integer, intent(in) :: leaves(:), stays(:)
+    integer, intent(in) :: leaves(:)       !< their columns
+    integer, intent(in) :: place(:)        !< new columns of those that stay
     type(parcels_t), intent(inout) :: parcels
     type(history_t), intent(inout) :: history
     type(history_t), intent(in) :: leaving
@@ -131,7 +144,7 @@ contains
     end do
     call route%send(reals, reals_in)
     call route%send(longs, longs_in)
-    call parcels%reorder(stays)
+    call parcels%move(place)
     n = parcels%n
     call parcels%unpack_rows(reals_in, longs_in(1:2, :))
     if (parcels%rotation) call swap_records(comm, destination, leaving, n, int(longs_in(3, :)), history)

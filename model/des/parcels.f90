@@ -49,6 +49,7 @@ module parcels
     procedure :: reserve
     procedure :: make_ring
     procedure :: force_at
+    procedure :: move
     procedure :: reorder
     procedure :: n_all
     procedure :: packed_rows
@@ -138,6 +139,29 @@ contains
     rows = merge(frictional_rows, frictionless_rows, self%rotation) - radius_row
   end function force_rows
 
+  !> Put parcel i into column place(i), which is not above i, and forget it where that is not positive. Ghosts are not kept.
+  pure subroutine move(self, place)
+    class(parcels_t), intent(inout) :: self
+    integer, intent(in) :: place(:)  !< (n)
+
+    integer :: i, k
+
+    do i = 1, size(place)
+      k = place(i)
+      if (k <= 0 .or. k == i) cycle
+      self%state(:, k) = self%state(:, i)
+      self%aside(:, k) = self%aside(:, i)
+      self%built(:, k) = self%built(:, i)
+      if (self%with_gas) self%coupled(:, k) = self%coupled(:, i)
+      self%diameter(k) = self%diameter(i)
+      self%weight(k) = self%weight(i)
+      self%powder(k) = self%powder(i)
+      self%id(k) = self%id(i)
+    end do
+    self%n = count(place > 0)
+    self%n_ghost = 0
+  end subroutine move
+
   !> Put parcel order(k) into column k, for k from 1 to size(order), which becomes the number of
   !> parcels. Ghosts are not kept.
   subroutine reorder(self, order)
@@ -147,10 +171,10 @@ contains
     integer :: n
 
     n = size(order)
-    call reorder_rows(size(self%state, 1), order, self%capacity, self%state)
-    call reorder_rows(size(self%aside, 1), order, self%capacity, self%aside)
-    call reorder_rows(3, order, self%capacity, self%built)
-    if (self%with_gas) call reorder_rows(coupled_rows, order, self%capacity, self%coupled)
+    call reorder_rows(size(self%state, 1), order, self%state)
+    call reorder_rows(size(self%aside, 1), order, self%aside)
+    call reorder_rows(3, order, self%built)
+    if (self%with_gas) call reorder_rows(coupled_rows, order, self%coupled)
     self%diameter(1:n) = self%diameter(order)
     self%weight(1:n) = self%weight(order)
     self%powder(1:n) = self%powder(order)
@@ -159,18 +183,18 @@ contains
     self%n_ghost = 0
   end subroutine reorder
 
-  subroutine reorder_rows(rows, order, capacity, array)
-    integer, intent(in) :: rows, order(:), capacity
-    real(wp), intent(inout) :: array(rows, capacity)
+  subroutine reorder_rows(rows, order, array)
+    integer, intent(in) :: rows, order(:)
+    real(wp), allocatable, intent(inout) :: array(:,:)  !< (rows, capacity)
 
-    real(wp), allocatable :: old(:,:)
+    real(wp), allocatable :: reordered(:,:)
     integer :: k
 
-    allocate (old(rows, size(order)))
+    allocate (reordered(rows, size(array, 2)))
     do k = 1, size(order)
-      old(:, k) = array(:, order(k))
+      reordered(1:rows, k) = array(1:rows, order(k))
     end do
-    array(:, 1:size(order)) = old
+    call move_alloc(reordered, array)
   end subroutine reorder_rows
 
   !> Rows of reals that carry one parcel from rank to rank.

@@ -101,13 +101,13 @@ contains
     range = [self%run_first(run), self%run_first(run + 1) - 1]
   end function run_range
 
-  !> What an entry remembers beside the step of its last touch: the slip and, if there is one, the angle.
+  !> What an entry remembers beside the step of its last touch: the slip and the angle, 0 if there is none.
   pure function memory_of(self, entry) result(memory)
     class(wall_entries_t), intent(in) :: self
     integer, intent(in) :: entry
-    real(wp) :: memory(merge(6, 3, self%with_angles))
+    real(wp) :: memory(6)
 
-    memory(1:3) = self%slip(1:3, entry)
+    memory = [self%slip(1:3, entry), 0.0_wp, 0.0_wp, 0.0_wp]
     if (self%with_angles) memory(4:6) = self%angle(:, entry)
   end function memory_of
 
@@ -115,7 +115,7 @@ contains
   pure subroutine remind(self, entry, memory, step)
     class(wall_entries_t), intent(inout) :: self
     integer, intent(in) :: entry
-    real(wp), intent(in) :: memory(:)  !< as `memory_of`
+    real(wp), intent(in) :: memory(6)  !< as `memory_of`
     real(wp), intent(in) :: step       !< of the last touch
 
     self%slip(:, entry) = [memory(1:3), step]

@@ -277,12 +277,23 @@ contains
       do j = from(2), to(2)
         gap(2) = gap_to(self, 2, j, x(2))
         do i = from(1), to(1)
+          if (is_mine(self, [i, j, k])) cycle
           gap(1) = gap_to(self, 1, i, x(1))
           if (sum(gap**2) <= range**2) call add_image(self, [i, j, k], rank, shift, count)
         end do
       end do
     end do
   end subroutine images
+
+  !> Whether a place within the domain is my own.
+  pure function is_mine(self, place)
+    class(tiles_t), intent(in) :: self
+    integer, intent(in) :: place(3)
+    logical :: is_mine
+
+    is_mine = .false.
+    if (all(place >= 0 .and. place < self%n)) is_mine = self%owner(tile_at(self%n, place)) == self%comm%rank
+  end function is_mine
 
   !> Distance in direction a from a position to a tile, whose place may lie beyond a periodic face [m].
   pure function gap_to(self, a, place, x) result(gap)
@@ -308,7 +319,6 @@ contains
 
     wrapped = modulo(place, self%n)
     owner = self%owner(tile_at(self%n, wrapped))
-    if (owner == self%comm%rank .and. all(wrapped == place)) return
     way = ((wrapped - place)/self%n)*(self%upper - self%lower)
     do m = 1, count
       if (rank(m) == owner .and. all(abs(shift(:, m) - way) < self%width)) return
