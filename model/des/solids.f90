@@ -35,6 +35,7 @@ module solids
   public :: solids_t
 
   real(wp), parameter :: tolerated_imbalance = 1.05_wp  !< largest load over the mean before tiles change hands
+  integer(i8), parameter :: lists_per_look = 4       !< lists made from one look at the balance to the next, which is no small work
   real(wp), parameter :: farthest_step = 0.1_wp      !< way of a parcel in one step, over the smallest radius
 
   type :: solids_t
@@ -67,7 +68,7 @@ module solids
     real(wp) :: speed = 0.0_wp           !< of the fastest parcel [m/s]
     real(wp) :: listed_at = 0.0_wp       !< time for which walls stood where they did when the lists were made [s]
     integer(i8) :: rebuilds = 0          !< lists made
-    integer(i8) :: weighed = 0           !< of these, when the balance was looked at last
+    integer(i8) :: weighed = -lists_per_look  !< of these, when the balance was looked at last
     integer(i8) :: added = 0, left = 0   !< parcels, on all ranks, since the start
     real(wp) :: mass_added = 0.0_wp, mass_left = 0.0_wp  !< [kg]
     type(outcome_t) :: trouble           !< met while parcels were added; the same on all ranks
@@ -423,7 +424,7 @@ contains
   end subroutine make_lists
 
   !> Deal the tiles out anew if the work, parcels and their contacts, is too unevenly spread. `changed` tells
-  !> whether parcels have moved house. The balance is looked at once for every making of lists.
+  !> whether parcels have moved house. The balance is looked at now and then, when lists are made.
   subroutine rebalance(self, changed, outcome)
     class(solids_t), intent(inout) :: self
     logical, intent(out) :: changed
@@ -432,7 +433,7 @@ contains
     real(wp) :: work(self%tiles%total)
 
     changed = .false.
-    if (self%comm%size == 1 .or. self%weighed == self%rebuilds) return
+    if (self%comm%size == 1 .or. self%rebuilds < self%weighed + lists_per_look) return
     self%weighed = self%rebuilds
     work = work_of_tiles(self%tiles, self%parcels, self%list, self%walls%parcel(1:self%walls%entries))
     if (self%tiles%imbalance(work) <= tolerated_imbalance) return
