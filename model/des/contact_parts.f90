@@ -149,11 +149,9 @@ contains
 
     last = pairs%last_of_rows(row)
     if (parcels%rotation) then
-      call sweep_friction(law, pairs, last, parcels%state, [parcels%n, parcels%ring], &
-                          parcels%force(parcels%force_start))
+      call sweep_friction(law, pairs, last, parcels%state, [parcels%n, parcels%ring], parcels%force(parcels%force_start))
     else
-      call sweep_frictionless(law, pairs, last, parcels%state, [parcels%n, parcels%ring], &
-                          parcels%force(parcels%force_start))
+      call sweep_frictionless(law, pairs, last, parcels%state, [parcels%n, parcels%ring], parcels%force(parcels%force_start))
     end if
     pairs%swept = last
   end subroutine sweep_pairs

@@ -28,7 +28,9 @@ contains
 
     work = 0.0_wp
     beside = 0.0_wp
-    beside(near_walls) = wall_work
+    do k = 1, size(near_walls)  ! where walls meet a parcel is there more than once
+      beside(near_walls(k)) = wall_work
+    end do
     do i = 1, parcels%n
       own = 1 + beside(i) + entry_work*(list%first(i + 1) - list%first(i))
       do k = list%first(i), list%first(i + 1) - 1

@@ -22,8 +22,8 @@ program test_tile_work
   at_walls = extra(5.0_wp, corner)
   call expect_close(apart, 0.0_wp, 1.0e-12_wp, 'parcels far from each other are one unit each')
   call expect(near > 0.05_wp .and. near < 0.5_wp, 'a pair that is listed is a part of one')
-  call expect(touching > near + 0.5_wp .and. touching < 2.0_wp, 'a pair that touches is more')
-  call expect(at_walls > 1.0_wp .and. at_walls < 4.0_wp, 'so is a parcel near walls, once for all of them')
+  call expect(touching > near + 1.0_wp .and. touching < 2.0_wp, 'a pair that touches is more')
+  call expect(at_walls > 2.0_wp .and. at_walls < 3.0_wp, 'so is a parcel near walls, once for all of them')
   call finish()
   call stop_ranks()
 
