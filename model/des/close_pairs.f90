@@ -45,6 +45,7 @@ module close_pairs
     procedure :: forget_all
     procedure :: make_room
     procedure :: note_way
+    procedure :: is_due
     procedure :: begin_step
     procedure :: last_of_rows
     procedure :: remembers
@@ -149,6 +150,14 @@ contains
     self%way_left = self%way_left - way
   end subroutine note_way
 
+  !> Whether the next step chooses anew.
+  pure function is_due(self)
+    class(close_pairs_t), intent(in) :: self
+    logical :: is_due
+
+    is_due = self%way_left <= 0.0_wp
+  end function is_due
+
   !> Nothing is swept yet. Choose anew if parcels have gone too far.
   subroutine begin_step(self, list, state, way, skin, width)
     class(close_pairs_t), intent(inout) :: self
@@ -163,7 +172,7 @@ contains
     logical :: tight
 
     self%swept = 0
-    if (self%way_left <= 0.0_wp) then
+    if (self%is_due()) then
       steps = sqrt(choosing_cost*width/max(2*way, tiny(way)))
       tight = steps > fewest_steps
       if (.not. tight) steps = steps*sqrt(looking_cost/choosing_cost)

@@ -13,7 +13,7 @@ module contact_parts
   use parcels, only: parcels_t
   implicit none
   private
-  public :: part_t, deal, gathered, begin_pairs, any_tight, widest_window, sweep_rows, attract_rows
+  public :: part_t, deal, gathered, are_due, begin_pairs, second_of_pairs, any_tight, widest_window, sweep_rows, attract_rows
 
   !> The pairs of one law.
   type :: part_t
@@ -63,6 +63,18 @@ contains
     end do
   end subroutine deal
 
+  !> Whether pairs of any law are chosen anew when the next step begins: the same on all ranks.
+  pure function are_due(pairs, parts)
+    type(close_pairs_t), intent(in) :: pairs
+    type(part_t), intent(in), allocatable :: parts(:)  !< take the place of pairs
+    logical :: are_due
+
+    integer :: c
+
+    are_due = pairs%is_due()
+    if (allocated(parts)) are_due = any([(parts(c)%pairs%is_due(), c=1, size(parts))])
+  end function are_due
+
   !> A step in which nothing is swept yet.
   subroutine begin_pairs(list, pairs, parts, state, lengths)
     type(contact_list_t), intent(in) :: list
@@ -81,6 +93,36 @@ contains
       end do
     end if
   end subroutine begin_pairs
+
+  !> Which parcels are the second of a close pair.
+  pure function second_of_pairs(pairs, parts, columns) result(seconds)
+    type(close_pairs_t), intent(in) :: pairs
+    type(part_t), intent(in), allocatable :: parts(:)  !< take the place of pairs
+    integer, intent(in) :: columns                     !< own parcels and ghosts
+    logical :: seconds(columns)
+
+    integer :: c
+
+    seconds = .false.
+    if (.not. allocated(parts)) then
+      call mark(pairs%n, pairs%j, seconds)
+    else
+      do c = 1, size(parts)
+        call mark(parts(c)%pairs%n, parts(c)%pairs%j, seconds)
+      end do
+    end if
+  end function second_of_pairs
+
+  pure subroutine mark(n, column, marked)
+    integer, intent(in) :: n, column(n)
+    logical, intent(inout) :: marked(:)
+
+    integer :: k
+
+    do k = 1, n
+      marked(column(k)) = .true.
+    end do
+  end subroutine mark
 
   !> Whether pairs of any law are tight.
   pure function any_tight(pairs, parts)

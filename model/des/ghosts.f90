@@ -1,19 +1,25 @@
 !> Copies of parcels near the border of another rank's tiles, or near a periodic face.
+!>
+!> Most of them touch nobody before close pairs are chosen anew. So those in close pairs are watched, and kept up to date step by
+!> step; the others follow when pairs are chosen.
 module ghosts
   use communicator, only: communicator_t
   use kinds, only: wp, i8
-  use parcels, only: parcels_t, spin_row, velocity_row
+  use parcels, only: parcels_t
   use route, only: route_t
   use tiles, only: tiles_t, most_images
   implicit none
   private
   public :: ghosts_t
 
+  integer, parameter :: all_rows = 4, moving_rows = 3  !< of every four of `state`: the last is one that does not change
+
   type :: ghosts_t
     logical :: needed = .false.  !< whether there is another rank or a periodic face
     type(route_t) :: route
   contains
     procedure :: invite
+    procedure :: watch
     procedure :: refresh
   end type ghosts_t
 
@@ -45,7 +51,7 @@ contains
       call self%route%send(reshape(int(parcels%powder(column), i8), [1, size(column)]), ids)
       parcels%powder(parcels%n + 1:parcels%n_all()) = int(ids(1, :))
     end if
-    call self%route%refresh(parcels%state, size(parcels%state, 1), parcels%n + 1)
+    call self%route%refresh(parcels%state, parcels%n + 1, all_rows, watched=.false.)
   end subroutine invite
 
   subroutine find_images(tiles, range, parcels, destination, column, shift)
@@ -78,16 +84,22 @@ contains
     shift = shift(:, 1:n)
   end subroutine find_images
 
-  !> Bring positions, velocities and spins of the ghosts up to date.
-  subroutine refresh(self, parcels)
+  !> From now on the ghosts among these columns are those that others may touch. All ranks take part.
+  subroutine watch(self, parcels, touched)
+    class(ghosts_t), intent(inout) :: self
+    type(parcels_t), intent(in) :: parcels
+    logical, intent(in) :: touched(:)  !< (own parcels and ghosts)
+
+    if (self%needed) call self%route%watch(touched(parcels%n + 1:parcels%n_all()))
+  end subroutine watch
+
+  !> Bring positions, velocities and spins of all ghosts up to date, or of those watched.
+  subroutine refresh(self, parcels, watched)
     class(ghosts_t), intent(inout) :: self
     type(parcels_t), intent(inout) :: parcels
+    logical, intent(in) :: watched
 
-    integer :: rows
-
-    if (.not. self%needed) return
-    rows = merge(spin_row, velocity_row, parcels%rotation) + 2
-    call self%route%refresh(parcels%state, rows, parcels%n + 1)
+    if (self%needed) call self%route%refresh(parcels%state, parcels%n + 1, moving_rows, watched)
   end subroutine refresh
 
 end module ghosts

@@ -11,7 +11,8 @@ module solids
   use contact_history, only: history_t
   use contact_laws, only: contact_laws_t, new_contact_laws
   use contact_list, only: contact_list_t, stretch_rows
-  use contact_parts, only: part_t, deal, gathered, begin_pairs, any_tight, widest_window, sweep_rows, attract_rows
+  use contact_parts, only: part_t, deal, gathered, are_due, begin_pairs, second_of_pairs, any_tight, widest_window, sweep_rows, &
+    attract_rows
   use contact_settings, only: contact_settings_t
   use constants, only: pi, is_set
   use des_settings, only: des_settings_t
@@ -26,7 +27,6 @@ module solids
   use parcels, only: parcels_t, radius_row, mass_row, curvature_row
   use read_ahead, only: read_ahead_t
   use solids_trouble, only: find_trouble, check_period
-  use tile_work, only: work_of_tiles
   use tiles, only: tiles_t, new_tiles
   use chamber, only: chamber_t
   use walls, only: wall_list_t
@@ -34,8 +34,6 @@ module solids
   private
   public :: solids_t
 
-  real(wp), parameter :: tolerated_imbalance = 1.05_wp  !< largest load over the mean before tiles change hands
-  integer(i8), parameter :: lists_per_look = 4       !< lists made from one look at the balance to the next, which is no small work
   real(wp), parameter :: farthest_step = 0.1_wp      !< way of a parcel in one step, over the smallest radius
 
   type :: solids_t
@@ -68,7 +66,7 @@ module solids
     real(wp) :: speed = 0.0_wp           !< of the fastest parcel [m/s]
     real(wp) :: listed_at = 0.0_wp       !< time for which walls stood where they did when the lists were made [s]
     integer(i8) :: rebuilds = 0          !< lists made
-    integer(i8) :: weighed = -lists_per_look  !< of these, when the balance was looked at last
+    integer(i8) :: weighed = -huge(1)       !< of these, when the balance was looked at last
     integer(i8) :: added = 0, left = 0   !< parcels, on all ranks, since the start
     real(wp) :: mass_added = 0.0_wp, mass_left = 0.0_wp  !< [kg]
     type(outcome_t) :: trouble           !< met while parcels were added; the same on all ranks
@@ -78,8 +76,8 @@ module solids
     procedure :: time_step_limit
     procedure :: next_step_limit
     procedure :: advance
-    procedure :: rebalance
     procedure :: set_reach
+    procedure :: largest_stray
     procedure :: make_lists
     procedure :: renew_lists
   end type solids_t
@@ -170,7 +168,7 @@ contains
     self%smallest_radius = minval(self%smallest)
     self%skin = allowed_skin(self, self%skin)
     call self%search%set_levels(self%smallest_radius, self%largest_radius)
-    width = max(self%tile_width, 2*self%largest_radius + self%reach + max(self%skin, widest_skin*typical_width(self)))
+    width = max(self%tile_width, 2*self%largest_radius + self%reach + largest_skin(self))
     if (allocated(self%tiles%owner)) then
       if (all(self%tiles%width >= width .or. self%tiles%n == 1)) return
     end if
@@ -188,6 +186,22 @@ contains
     if (is_set(allowed)) return
     allowed = skin_within(self%chamber, 2*self%largest_radius + self%reach, typical_width(self), skin)
   end function allowed_skin
+
+  !> The widest skin there may be [m].
+  pure function largest_skin(self) result(skin)
+    type(solids_t), intent(in) :: self
+    real(wp) :: skin
+
+    skin = max(self%skin, widest_skin*typical_width(self))
+  end function largest_skin
+
+  !> How far a parcel may be outside the tiles of its rank: half the skin, however wide that becomes [m].
+  pure function largest_stray(self) result(way)
+    class(solids_t), intent(in) :: self
+    real(wp) :: way
+
+    way = 0.5_wp*largest_skin(self)
+  end function largest_stray
 
   !> Of a parcel, between smallest and largest [m].
   pure function typical_width(self) result(width)
@@ -306,8 +320,12 @@ contains
     class(solids_t), intent(inout) :: self
     real(wp), intent(in) :: dt  !< [s]
 
+    logical :: chosen
+
     call self%laws%set_step(dt)
+    chosen = are_due(self%pairs, self%parts)
     call begin_pairs(self%list, self%pairs, self%parts, self%parcels%state, [dt*self%speed, self%skin, typical_width(self)])
+    if (chosen) call self%ghosts%watch(self%parcels, second_of_pairs(self%pairs, self%parts, self%parcels%n_all()))
     call self%parcels%make_ring(max(self%list%window, widest_window(self%pairs, self%parts)))
     self%walls%through = 0
     call self%walls%begin_step(self%step, self%travelled + self%chamber%way_since(self%listed_at))
@@ -335,6 +353,7 @@ contains
     type(outcome_t), intent(inout) :: outcome
 
     real(wp) :: largest(2)
+    logical :: all_ghosts
 
     largest = [merge(fastest, 0.0_wp, sound), merge(0.0_wp, 1.0_wp, sound)]
     if (self%comm%size > 1) largest = self%comm%max(largest)
@@ -351,7 +370,8 @@ contains
     if (max(self%travelled, self%chamber%way_since(self%listed_at)) + time*self%speed > 0.5_wp*self%skin) then
       call self%renew_lists(outcome)
     else
-      call self%ghosts%refresh(self%parcels)
+      all_ghosts = any(self%laws%pair%cohesion%on) .or. are_due(self%pairs, self%parts)
+      call self%ghosts%refresh(self%parcels, watched=.not. all_ghosts)
     end if
   end subroutine keep_neighbours
 
@@ -422,25 +442,5 @@ contains
     end if
     self%rebuilds = self%rebuilds + 1
   end subroutine make_lists
-
-  !> Deal the tiles out anew if the work, parcels and their contacts, is too unevenly spread. `changed` tells
-  !> whether parcels have moved house. The balance is looked at now and then, when lists are made.
-  subroutine rebalance(self, changed, outcome)
-    class(solids_t), intent(inout) :: self
-    logical, intent(out) :: changed
-    type(outcome_t), intent(inout) :: outcome
-
-    real(wp) :: work(self%tiles%total)
-
-    changed = .false.
-    if (self%comm%size == 1 .or. self%rebuilds < self%weighed + lists_per_look) return
-    self%weighed = self%rebuilds
-    work = work_of_tiles(self%tiles, self%parcels, self%list, self%walls%parcel(1:self%walls%entries))
-    if (self%tiles%imbalance(work) <= tolerated_imbalance) return
-    call self%tiles%repartition(work, changed)
-    if (.not. changed) return
-    self%tilings = self%tilings + 1
-    call self%renew_lists(outcome)
-  end subroutine rebalance
 
 end module solids

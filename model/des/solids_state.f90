@@ -177,7 +177,7 @@ contains
       solids%parcels%built(:, i) = solids%parcels%state(1:3, i)
       solids%parcels%state(1:3, i) = now
     end do
-    call solids%ghosts%refresh(solids%parcels)
+    call solids%ghosts%refresh(solids%parcels, watched=.false.)
     solids%travelled = state%scalars(3)
     solids%rebuilds = state%counts(3)
     solids%weighed = state%counts(4)

@@ -17,6 +17,7 @@ module scene
   use enclosure, only: enclosure_of
   use gas, only: gas_t, new_gas
   use kinds, only: wp, i8
+  use load_balance, only: rebalance
   use mesh, only: mesh_t, new_mesh, new_uniform_mesh
   use open_space, only: open_space_t, new_open_space
   use outcome, only: outcome_t, exit_failed, exit_input
@@ -232,7 +233,7 @@ contains
     class(scene_t), intent(inout) :: self
 
     call self%watch%enter(part_coupling)
-    call self%coupling%follow_tiles(self%solids%tiles, self%solids%skin)
+    call self%coupling%follow_tiles(self%solids%tiles, self%solids%largest_stray())
     call self%coupling%map_void_fraction(self%solids%parcels, self%gas)
     if (.not. self%begun) call self%gas%accept()
     self%begun = .true.
@@ -272,12 +273,11 @@ contains
     class(scene_t), intent(inout) :: self
     type(outcome_t), intent(inout) :: outcome
 
-    logical :: changed
 
     call self%watch%enter(part_parcels)
     self%report%solids_steps = max(1, ceiling(self%report%dt/self%solids%next_step_limit()))
     call self%solids%advance(self%report%solids_steps, self%report%dt/self%report%solids_steps, outcome)
-    if (.not. outcome%failed()) call self%solids%rebalance(changed, outcome)
+    if (.not. outcome%failed()) call rebalance(self%solids, outcome)
     self%astray = outcome%failed()
     call self%watch%leave()
   end subroutine advance_parcels

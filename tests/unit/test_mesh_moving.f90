@@ -6,6 +6,7 @@ program test_mesh_moving
   use constants, only: pi
   use des_scenes, only: put, cloud, run
   use kinds, only: wp
+  use load_balance, only: rebalance
   use mesh_checks, only: find_reach
   use mesh_scenes, only: mesh_room, mesh, sheet, ball, drum
   use mpi_f08, only: MPI_COMM_SELF
@@ -282,7 +283,6 @@ contains
     type(outcome_t) :: outcome
     type(statistics_t) :: s
     real(wp) :: a(9, 200), b(9, 200), dt
-    logical :: changed
     integer :: i
 
     together = mill(comm)
@@ -292,7 +292,7 @@ contains
     dt = apart%time_step_limit()
     do i = 1, 10
       call run(together, 30, dt)
-      call together%rebalance(changed, outcome)
+      call rebalance(together, outcome)
       call run(apart, 30, dt)
     end do
     call gather(together, 200, a)
@@ -313,14 +313,13 @@ contains
     type(solids_t) :: whole, resumed
     type(solids_state_t) :: state
     type(outcome_t) :: outcome
-    logical :: changed
     real(wp) :: dt
 
     whole = mill(comm)
     call fill(whole)
     dt = whole%time_step_limit()
     call run(whole, 2013, dt)
-    call whole%rebalance(changed, outcome)
+    call rebalance(whole, outcome)
     call run(whole, 4, dt)
     call export_state(whole, state)
     resumed = mill(comm)

@@ -15,6 +15,7 @@ program test_route
   end do
   call there_and_back(0)
   call ghosts()
+  call watched()
   if (comm%is_root()) call finish()
   call stop_ranks()
 
@@ -86,7 +87,7 @@ contains
       do i = 1, n
         state(:, i) = 100*comm%rank + i + 0.125_wp*step
       end do
-      call route%refresh(state, 3, n + 1)
+      call route%refresh(state, n + 1, 3, watched=.false.)
       previous = modulo(comm%rank - 1, comm%size)
       ! my own image comes before what a higher rank sent, and after what a lower one, or I myself, sent
       associate (mine => merge(n + 1, 2*n + 1, previous > comm%rank), theirs => merge(n + 1, n, previous > comm%rank))
@@ -100,6 +101,45 @@ contains
     end do
     call expect_all(right, 'ghosts follow, shifted, into their columns and no other')
   end subroutine ghosts
+
+  !> Every rank sends each of the others, and itself, its columns 1 to 6, two of them shifted. Each watches some of what it gets, of
+  !> one rank nothing at all, and then others.
+  subroutine watched()
+    integer, parameter :: n = 6
+    type(route_t) :: route
+    real(wp) :: state(8, n*(comm%size + 1)), shift(3, n*comm%size), x(8)
+    logical :: wanted(n*comm%size), right
+    integer :: i, k, rank, step, rows
+
+    shift = 0
+    shift(1, 2::n) = 10
+    shift(3, 5::n) = -30
+    call route%set(comm, [((rank, i=1, n), rank=0, comm%size - 1)], [((i, i=1, n), rank=0, comm%size - 1)], shift)
+    right = .true.
+    do step = 1, 6
+      wanted = [(modulo(k*k + step + comm%rank, 3) == 0, k=1, size(wanted))]
+      rank = modulo(comm%rank + step, comm%size)
+      if (step < 6) wanted(n*rank + 1:n*(rank + 1)) = .false.
+      if (step == 5) wanted = .false.
+      state = -1
+      do i = 1, n
+        state(:, i) = [(100*comm%rank + i + 0.125_wp*step + 0.01_wp*k, k=1, 8)]
+      end do
+      call route%watch(wanted)
+      rows = merge(4, 3, step > 3)
+      call route%refresh(state, n + 1, rows, watched=.true.)
+      do k = 1, size(wanted)
+        rank = (k - 1)/n
+        i = k - n*rank
+        x = 100*rank + i + 0.125_wp*step + 0.01_wp*[1, 2, 3, 4, 5, 6, 7, 8]
+        x(1:3) = x(1:3) + shift(:, i)
+        if (.not. wanted(k)) x = -1
+        if (rows == 3) x(4:8:4) = -1
+        right = right .and. all(abs(state(:, n + k) - x) < 1.0e-12_wp)
+      end do
+    end do
+    call expect_all(right, 'of ghosts those that are watched follow, in all rows or all but every fourth')
+  end subroutine watched
 
   subroutine expect_all(ok, name)
     logical, intent(in) :: ok
