@@ -36,16 +36,15 @@ def cases():
     for source in sorted((ROOT / "tests/unit").glob("test_*.f90")):
         for mode in MODES:
             for ranks in ranks_of(source, mode):
-                # One program writes its files under one name, so its runs follow each other.
-                mark = pytest.mark.xdist_group(source.stem)
-                yield pytest.param(source.stem, mode, ranks, id=f"{source.stem[5:]}-{mode}-{ranks}", marks=mark)
+                yield pytest.param(source.stem, mode, ranks, id=f"{source.stem[5:]}-{mode}-{ranks}")
 
 
 @pytest.mark.parametrize("name, mode, ranks", list(cases()))
-def test_unit(name, mode, ranks):
+def test_unit(name, mode, ranks, tmp_path):
     path = program(f"tests/unit/{name}", mode)
     assert path.exists(), f"{path} is not built: make MODE={mode} unit"
-    done = launch(path, ranks=ranks, time_limit=300)
+    (tmp_path / "build/tests").mkdir(parents=True)  # where programs write, in a folder of each run: runs may be at the same time
+    done = launch(path, ranks=ranks, cwd=tmp_path, time_limit=300)
     lines = done.stdout.splitlines()
     failed = [line for line in lines if line.startswith("FAIL")]
     shown = "\n".join([*failed, done.stderr[-3000:]])
