@@ -55,6 +55,7 @@ module solids
     type(search_t) :: search
     real(wp) :: tile_width = 0.0_wp      !< least width asked for [m]
     real(wp) :: skin = 0.0_wp            !< [m]
+    logical :: attract = .false.         !< whether listed pairs act that are not close
     real(wp) :: reach = 0.0_wp           !< of the attraction, from surface to surface [m]
     real(wp) :: range = 0.0_wp           !< largest distance of the centres of a listed pair [m]
     real(wp) :: smallest_radius = huge(1.0_wp), largest_radius = 0.0_wp  !< on all ranks [m]
@@ -66,7 +67,7 @@ module solids
     real(wp) :: speed = 0.0_wp           !< of the fastest parcel [m/s]
     real(wp) :: listed_at = 0.0_wp       !< time for which walls stood where they did when the lists were made [s]
     integer(i8) :: rebuilds = 0          !< lists made
-    integer(i8) :: weighed = -huge(1)       !< of these, when the balance was looked at last
+    integer(i8) :: weighed = -huge(1)    !< of these, when the balance was looked at last
     integer(i8) :: added = 0, left = 0   !< parcels, on all ranks, since the start
     real(wp) :: mass_added = 0.0_wp, mass_left = 0.0_wp  !< [kg]
     type(outcome_t) :: trouble           !< met while parcels were added; the same on all ranks
@@ -107,6 +108,7 @@ contains
     self%pairs%with_angles = any(self%laws%pair%rolling%spring) .or. any(self%laws%wall%rolling%spring)
     self%walls%with_angles = self%pairs%with_angles
     if (self%pairs%with_angles) self%history%rows = 6
+    self%attract = any(self%laws%pair%cohesion%on)
     self%reach = max(0.0_wp, maxval(self%laws%pair%cohesion%reach), maxval(self%laws%wall%cohesion%reach))
     call self%parcels%create(self%laws%friction, with_gas)
     call self%history%clear()
@@ -323,7 +325,7 @@ contains
     logical :: chosen
 
     call self%laws%set_step(dt)
-    chosen = are_due(self%pairs, self%parts)
+    chosen = self%ghosts%needed .and. .not. self%attract .and. are_due(self%pairs, self%parts)
     call begin_pairs(self%list, self%pairs, self%parts, self%parcels%state, [dt*self%speed, self%skin, typical_width(self)])
     if (chosen) call self%ghosts%watch(self%parcels, second_of_pairs(self%pairs, self%parts, self%parcels%n_all()))
     call self%parcels%make_ring(max(self%list%window, widest_window(self%pairs, self%parts)))
@@ -353,7 +355,7 @@ contains
     type(outcome_t), intent(inout) :: outcome
 
     real(wp) :: largest(2)
-    logical :: all_ghosts
+    logical :: some_ghosts
 
     largest = [merge(fastest, 0.0_wp, sound), merge(0.0_wp, 1.0_wp, sound)]
     if (self%comm%size > 1) largest = self%comm%max(largest)
@@ -370,8 +372,8 @@ contains
     if (max(self%travelled, self%chamber%way_since(self%listed_at)) + time*self%speed > 0.5_wp*self%skin) then
       call self%renew_lists(outcome)
     else
-      all_ghosts = any(self%laws%pair%cohesion%on) .or. are_due(self%pairs, self%parts)
-      call self%ghosts%refresh(self%parcels, watched=.not. all_ghosts)
+      some_ghosts = .not. (self%attract .or. are_due(self%pairs, self%parts))
+      call self%ghosts%refresh(self%parcels, watched=some_ghosts)
     end if
   end subroutine keep_neighbours
 

@@ -241,8 +241,8 @@ contains
     class(route_t), intent(inout) :: self
     real(wp), intent(inout), contiguous :: state(:,:)  !< (4, 8 or 12 rows, columns)
     integer, intent(in) :: first                       !< column of the first ghost
-    integer, intent(in) :: of_four                     !< rows: 3 or 4
-    logical, intent(in) :: watched
+    integer, intent(in) :: of_four                     !< how many of every four rows: 3 or 4
+    logical, intent(in) :: watched                     !< only the ghosts asked for by `watch`
 
     integer :: rows
 
@@ -330,6 +330,7 @@ contains
     allocate (buffer(length + length/4))
   end subroutine grow
 
+  !> All items, from the outgoing to the incoming buffer.
   subroutine swap_all(self, rows)
     class(route_t), intent(inout) :: self
     integer, intent(in) :: rows

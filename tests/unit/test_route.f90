@@ -117,7 +117,7 @@ contains
     call route%set(comm, [((rank, i=1, n), rank=0, comm%size - 1)], [((i, i=1, n), rank=0, comm%size - 1)], shift)
     right = .true.
     do step = 1, 6
-      wanted = [(modulo(k*k + step + comm%rank, 3) == 0, k=1, size(wanted))]
+      wanted = [(modulo(k + k/2 + step + comm%rank, 3) == 0, k=1, size(wanted))]
       rank = modulo(comm%rank + step, comm%size)
       if (step < 6) wanted(n*rank + 1:n*(rank + 1)) = .false.
       if (step == 5) wanted = .false.
