@@ -26,6 +26,8 @@ module contact_history
     procedure :: follow
     procedure :: restore
     procedure :: append
+    procedure :: put
+    procedure :: drop
     procedure :: clear
   end type history_t
 
@@ -74,11 +76,32 @@ contains
 
     if (self%n == size(self%own)) call resize(self, 2*self%n)
     self%n = self%n + 1
-    self%own(self%n) = own
-    self%other(self%n) = other
-    self%other_id(self%n) = other_id
-    self%slip(:, self%n) = slip(:self%rows)
+    call self%put(self%n, own, other, other_id, slip)
   end subroutine append
+
+  !> Write record m.
+  pure subroutine put(self, m, own, other, other_id, slip)
+    class(history_t), intent(inout) :: self
+    integer, intent(in) :: m, own, other
+    integer(i8), intent(in) :: other_id
+    real(wp), intent(in) :: slip(:)  !< (rows, or more that do not count)
+
+    self%own(m) = own
+    self%other(m) = other
+    self%other_id(m) = other_id
+    self%slip(:, m) = slip(:self%rows)
+  end subroutine put
+
+  !> Forget record m; the last takes its place.
+  pure subroutine drop(self, m)
+    class(history_t), intent(inout) :: self
+    integer, intent(in) :: m
+
+    associate (last => self%n)
+      call self%put(m, self%own(last), self%other(last), self%other_id(last), (self%slip(:, last)))
+    end associate
+    self%n = self%n - 1
+  end subroutine drop
 
   !> Parcels have changed their columns: place(old column) is the new one.
   pure subroutine follow(self, place)

@@ -16,7 +16,8 @@ module ghosts
 
   type :: ghosts_t
     logical :: needed = .false.  !< whether there is another rank or a periodic face
-    type(route_t) :: route
+    logical, allocatable :: near(:)  !< (n) whether a ghost may be near this parcel of mine
+    type(route_t), private :: route
   contains
     procedure :: invite
     procedure :: watch
@@ -38,9 +39,11 @@ contains
     integer(i8), allocatable :: ids(:,:)
 
     parcels%n_ghost = 0
+    self%near = spread(.false., 1, parcels%n)
     self%needed = tiles%comm%size > 1 .or. any(tiles%periodic)
     if (.not. self%needed) return
     call find_images(tiles, range, parcels, destination, column, shift)
+    self%near(column) = .true.  ! nobody else is in range of a tile with a ghost
     call self%route%set(tiles%comm, destination, column, shift)
     call parcels%reserve(parcels%n + self%route%n_received)
     parcels%n_ghost = self%route%n_received

@@ -1,35 +1,33 @@
 !> Work of the solids steps, evened out between the ranks.
 module load_balance
+  use contact_list, only: contact_list_t
   use kinds, only: wp, i8
-  use outcome, only: outcome_t
-  use solids, only: solids_t
-  use tile_work, only: work_of_tiles
+  use parcels, only: parcels_t
+  use tile_work, only: work_of_tiles, kinds_of_work
+  use tiles, only: tiles_t
   implicit none
   private
-  public :: rebalance
+  public :: rebalance, lists_per_look
 
-  real(wp), parameter :: tolerated_imbalance = 1.05_wp  !< largest load over the mean before tiles change hands
+  real(wp), parameter :: tolerated_imbalance = 1.03_wp  !< before tiles change hands
   integer(i8), parameter :: lists_per_look = 4          !< lists made from one look to the next, which is no small work
 
 contains
 
-  !> Deal the tiles out anew if the work, parcels and their contacts, is too unevenly spread. The balance is looked at now and then,
-  !> when lists have been made. All ranks take part.
-  subroutine rebalance(solids, outcome)
-    type(solids_t), intent(inout) :: solids
-    type(outcome_t), intent(inout) :: outcome
+  !> Deal the tiles out anew if the work, parcels and their contacts, is too unevenly spread; new lists take the parcels to
+  !> their new owners. All ranks take part.
+  subroutine rebalance(tiles, parcels, list, near_walls, changed)
+    type(tiles_t), intent(inout) :: tiles
+    type(parcels_t), intent(in) :: parcels
+    type(contact_list_t), intent(in) :: list
+    integer, intent(in) :: near_walls(:)  !< columns of parcels near walls
+    logical, intent(out) :: changed       !< whether any tile has another owner now
 
-    real(wp) :: work(solids%tiles%total)
-    logical :: changed
+    real(wp) :: work(kinds_of_work, tiles%total)
 
-    if (solids%comm%size == 1 .or. solids%rebuilds < solids%weighed + lists_per_look) return
-    solids%weighed = solids%rebuilds
-    work = work_of_tiles(solids%tiles, solids%parcels, solids%list, solids%walls%parcel(1:solids%walls%entries))
-    if (solids%tiles%imbalance(work) <= tolerated_imbalance) return
-    call solids%tiles%repartition(work, changed)
-    if (.not. changed) return
-    solids%tilings = solids%tilings + 1
-    call solids%renew_lists(outcome)
+    changed = .false.
+    work = work_of_tiles(tiles, parcels, list, near_walls)
+    if (tiles%imbalance(work) > tolerated_imbalance) call tiles%repartition(work, changed)
   end subroutine rebalance
 
 end module load_balance

@@ -76,47 +76,30 @@ contains
     type(history_t), intent(inout) :: history
     type(history_t), intent(inout) :: leaving  !< `own` counts the parcels that leave
 
-    integer :: records, m, i, j
+    integer :: m, i, j
 
-    records = history%n
-    history%n = 0
     leaving%rows = history%rows
     call leaving%clear()
-    do m = 1, records  ! of which at most so many are back in `history`
+    do m = history%n, 1, -1
       i = history%own(m)
       j = history%other(m)
       if (j == 0) then
-        call hand_over(place(i), history%other_id(m), 1.0_wp)
+        if (place(i) < 0) call leaving%append(-place(i), 0, history%other_id(m), history%slip(:, m))
+        history%own(m) = place(i)
       else if (place(i) > 0 .and. place(j) > 0) then
-        call keep(place(i), place(j), 0_i8, 1.0_wp)
+        history%own(m) = place(i)
+        history%other(m) = place(j)
       else
-        call hand_over(place(i), parcels%id(j), 1.0_wp)
-        call hand_over(place(j), parcels%id(i), -1.0_wp)
+        if (place(i) < 0) call leaving%append(-place(i), 0, parcels%id(j), history%slip(:, m))
+        if (place(j) < 0) call leaving%append(-place(j), 0, parcels%id(i), -history%slip(:, m))
+        if (place(j) > 0) then
+          call history%put(m, place(j), 0, parcels%id(i), -history%slip(:, m))
+        else
+          call history%put(m, place(i), 0, parcels%id(j), (history%slip(:, m)))
+        end if
       end if
+      if (history%own(m) <= 0) call history%drop(m)
     end do
-
-  contains
-
-    subroutine hand_over(to, id, direction)
-      integer, intent(in) :: to
-      integer(i8), intent(in) :: id
-      real(wp), intent(in) :: direction
-
-      if (to > 0) call keep(to, 0, id, direction)
-      if (to < 0) call leaving%append(-to, 0, id, direction*history%slip(:, m))
-    end subroutine hand_over
-
-    subroutine keep(own, other, id, direction)
-      integer, intent(in) :: own, other
-      integer(i8), intent(in) :: id
-      real(wp), intent(in) :: direction
-
-      history%n = history%n + 1
-      history%own(history%n) = own
-      history%other(history%n) = other
-      history%other_id(history%n) = id
-      history%slip(:, history%n) = direction*history%slip(:, m)
-    end subroutine keep
   end subroutine part_records
 
   !> The messages: parcels, then their records in the order of the parcels.

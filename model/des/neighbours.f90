@@ -24,11 +24,11 @@ module neighbours
     integer :: first = 1, last = 0
     integer :: n_ghosts = 0
     type(bins_t) :: own, ghosts
-    logical, allocatable :: near_ghosts(:)  !< whether a parcel in this bin of `own` may be near a ghost
   end type level_t
 
   type :: search_t
     type(level_t), allocatable :: level(:)  !< the smallest first
+    real(wp) :: box(3, 2) = 0.0_wp          !< around the centres of all my parcels [m]
     real(wp), allocatable :: place(:,:)     !< (4,n) 1:3 position, 4 radius of my parcels [m]
     real(wp), allocatable :: ghost(:,:)     !< (4,n_ghost) the same of ghosts, sorted [m]
     integer, allocatable :: column(:)       !< (n_ghost) of the ghosts so sorted
@@ -66,11 +66,16 @@ contains
     integer :: l, last(0:size(self%level))
 
     call sort_by_level(self%level, parcels%state, 0, order, last)
+    self%box = box_around(parcels%state, order(1:min(1, parcels%n)))
     do l = 1, size(self%level)
       associate (level => self%level(l), columns => order(last(l - 1) + 1:last(l)))
         level%first = last(l - 1) + 1
         level%last = last(l)
         box = box_around(parcels%state, columns)
+        if (size(columns) > 0) then
+          self%box(:, 1) = min(self%box(:, 1), box(:, 1))
+          self%box(:, 2) = max(self%box(:, 2), box(:, 2))
+        end if
         call level%own%span(box(:, 1), box(:, 2), reach_of(level, level%largest, skin), bins_per_parcel*parcels%n)
         call level%own%sort(parcels%state, last(l - 1), columns)
       end associate
@@ -130,10 +135,11 @@ contains
   end function reach_of
 
   !> List all pairs closer than the sum of their radii plus `skin`. My parcels are sorted, ghosts follow them.
-  pure subroutine build(self, parcels, skin, list)
+  pure subroutine build(self, parcels, near_ghosts, skin, list)
     class(search_t), intent(inout) :: self
     type(parcels_t), intent(in) :: parcels
-    real(wp), intent(in) :: skin  !< [m]
+    logical, intent(in) :: near_ghosts(:)  !< (n) parcels that are looked at for pairs with ghosts
+    real(wp), intent(in) :: skin           !< [m]
     type(contact_list_t), intent(inout) :: list
 
     integer :: i, l
@@ -149,7 +155,7 @@ contains
       do i = self%level(l)%first, self%level(l)%last
         call list_behind(self%level(l)%own, i, self%place, skin, list)
         call list_larger(self, l, i, skin, list)
-        if (parcels%n_ghost > 0) call list_ghosts(self, l, i, skin, list)
+        if (near_ghosts(i)) call list_ghosts(self, i, skin, list)
         list%first(i + 1) = list%entries + 1
       end do
     end do
@@ -246,72 +252,42 @@ contains
     type(parcels_t), intent(in) :: parcels
     real(wp), intent(in) :: skin
 
-    integer :: l, k, i, last(0:size(self%level))
-    real(wp) :: box(3, 2)
+    integer :: l, k, last(0:size(self%level))
 
     if (allocated(self%ghost)) deallocate (self%ghost, self%column)
     allocate (self%ghost(4, parcels%n_ghost), self%column(parcels%n_ghost))
+    self%level%n_ghosts = 0
     if (parcels%n_ghost == 0) return
-    box = box_around(self%place, [(i, i=1, parcels%n)])
     call sort_by_level(self%level, parcels%state, parcels%n, self%column, last)
     do l = 1, size(self%level)
       associate (level => self%level(l), columns => self%column(last(l - 1) + 1:last(l)))
         level%n_ghosts = size(columns)
-        call level%ghosts%span(box(:, 1), box(:, 2), reach_of(level, level%largest, skin), bins_per_parcel*parcels%n)
+        call level%ghosts%span(self%box(:, 1), self%box(:, 2), reach_of(level, level%largest, skin), bins_per_parcel*parcels%n)
         call level%ghosts%sort(parcels%state, last(l - 1), columns)
       end associate
     end do
     do k = 1, parcels%n_ghost
       self%ghost(:, k) = parcels%state(1:4, self%column(k))
     end do
-    do l = 1, size(self%level)
-      call mark_near(self%level(l), self%ghost, skin)
-    end do
   end subroutine sort_ghosts
 
-  !> Note which bins of a level a ghost is near.
-  pure subroutine mark_near(level, ghost, skin)
-    type(level_t), intent(inout) :: level
-    real(wp), intent(in), contiguous :: ghost(:,:)
-    real(wp), intent(in) :: skin
-
-    integer :: k, y, z, line, lo(3), hi(3)
-    real(wp) :: reach
-
-    if (allocated(level%near_ghosts)) deallocate (level%near_ghosts)
-    allocate (level%near_ghosts(size(level%own%first)), source=.false.)
-    do k = 1, size(ghost, 2)
-      reach = reach_of(level, ghost(4, k), skin)
-      lo = level%own%bin_of(ghost(1:3, k) - reach)
-      hi = level%own%bin_of(ghost(1:3, k) + reach)
-      do z = lo(3), hi(3)
-        do y = lo(2), hi(2)
-          line = level%own%number_of(0, y, z)
-          level%near_ghosts(line + lo(1):line + hi(1)) = .true.
-        end do
-      end do
-    end do
-  end subroutine mark_near
-
-  !> Append the ghosts near parcel i of level l.
-  pure subroutine list_ghosts(self, l, i, skin, list)
+  !> Append the ghosts near parcel i.
+  pure subroutine list_ghosts(self, i, skin, list)
     type(search_t), intent(in) :: self
-    integer, intent(in) :: l, i
+    integer, intent(in) :: i
     real(wp), intent(in) :: skin
     type(contact_list_t), intent(inout) :: list
 
-    integer :: bin(3), m, before
+    integer :: m, before
 
-    associate (own => self%level(l)%own, here => self%place(:, i))
-      bin = own%bin_of(here(1:3))
-      if (.not. self%level(l)%near_ghosts(own%number_of(bin(1), bin(2), bin(3)))) return
-      before = list%entries
+    before = list%entries
+    associate (here => self%place(:, i))
       do m = 1, size(self%level)
         if (self%level(m)%n_ghosts == 0) cycle
         call list_around(self%level(m)%ghosts, here, reach_of(self%level(m), here(4), skin), self%ghost, skin, list)
       end do
-      list%partner(before + 1:list%entries) = self%column(list%partner(before + 1:list%entries))
     end associate
+    list%partner(before + 1:list%entries) = self%column(list%partner(before + 1:list%entries))
   end subroutine list_ghosts
 
 end module neighbours

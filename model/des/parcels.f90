@@ -3,6 +3,7 @@
 !> What a contact reads lies in one row of `state`, so that a pair costs two short runs of memory.
 module parcels
   use cache_lines, only: line_start, line_reals
+  use constants, only: pi
   use kinds, only: wp, i8
   implicit none
   private
@@ -47,6 +48,7 @@ module parcels
   contains
     procedure :: create
     procedure :: reserve
+    procedure :: append
     procedure :: make_ring
     procedure :: force_at
     procedure :: move
@@ -95,6 +97,39 @@ contains
     call grow_longs(self%id, capacity)
     self%capacity = capacity
   end subroutine reserve
+
+  !> New parcels behind my own. Ghosts are not kept.
+  subroutine append(self, position, velocity, diameter, weight, density, powder, id)
+    class(parcels_t), intent(inout) :: self
+    real(wp), intent(in) :: position(:,:)     !< (3,m) [m]
+    real(wp), intent(in) :: velocity(:,:)     !< (3,m) [m/s]
+    real(wp), intent(in) :: diameter(:)       !< (m) of one real particle [m]
+    real(wp), intent(in) :: weight(:)         !< (m) real particles in a parcel [-]
+    real(wp), intent(in) :: density(:)        !< (m) of the solid [kg/m3]
+    integer, intent(in) :: powder(:)          !< (m)
+    integer(i8), intent(in) :: id(:)          !< (m)
+
+    integer :: m, c
+
+    call self%reserve(self%n + size(id))
+    self%n_ghost = 0
+    do m = 1, size(id)
+      c = self%n + m
+      self%state(:, c) = 0.0_wp
+      self%state(1:3, c) = position(:, m)
+      self%state(radius_row, c) = 0.5_wp*diameter(m)*weight(m)**(1.0_wp/3.0_wp)
+      self%state(5:7, c) = velocity(:, m)
+      self%state(mass_row, c) = 1/(weight(m)*density(m)*pi/6*diameter(m)**3)
+      if (self%rotation) self%state(curvature_row, c) = 1/self%state(radius_row, c)
+      self%aside(:, c) = 0.0_wp
+      self%diameter(c) = diameter(m)
+      self%weight(c) = weight(m)
+      self%powder(c) = powder(m)
+      self%id(c) = id(m)
+      if (self%with_gas) self%coupled(:, c) = 0.0_wp
+    end do
+    self%n = self%n + size(id)
+  end subroutine append
 
   !> Room for the forces on so many parcels at a time. None is in use.
   subroutine make_ring(self, window)

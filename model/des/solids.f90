@@ -18,13 +18,14 @@ module solids
   use des_settings, only: des_settings_t
   use ghosts, only: ghosts_t
   use kinds, only: wp, i8
+  use load_balance, only: rebalance, lists_per_look
   use list_skin, only: widest_skin, fitting_skin, skin_within
   use migration, only: settle_owners
   use motion, only: start_lead, add_lead, take_lead, drift, kick_and_drift, note_places, farthest, fastest_speed
   use neighbours, only: search_t
   use outcome, only: outcome_t
   use parcel_extremes, only: widen_extremes
-  use parcels, only: parcels_t, radius_row, mass_row, curvature_row
+  use parcels, only: parcels_t
   use read_ahead, only: read_ahead_t
   use solids_trouble, only: find_trouble, check_period
   use tiles, only: tiles_t, new_tiles
@@ -125,36 +126,18 @@ contains
     integer, intent(in) :: powder(:)          !< (n)
     integer(i8), intent(in) :: id(:)          !< (n) positive, each once
 
-    real(wp) :: mass
-    integer :: m, c
+    logical :: moved
 
     call keep_history(self)
-    mass = 0.0_wp
-    associate (p => self%parcels)
-      call p%reserve(p%n + size(id))
-      p%n_ghost = 0
-      do m = 1, size(id)
-        c = p%n + m
-        p%state(:, c) = 0.0_wp
-        p%state(1:3, c) = position(:, m)
-        p%state(radius_row, c) = 0.5_wp*diameter(m)*weight(m)**(1.0_wp/3.0_wp)
-        p%state(5:7, c) = velocity(:, m)
-        p%state(mass_row, c) = 1/(weight(m)*density(m)*pi/6*diameter(m)**3)
-        if (p%rotation) p%state(curvature_row, c) = 1/p%state(radius_row, c)
-        p%aside(:, c) = 0.0_wp
-        p%diameter(c) = diameter(m)
-        p%weight(c) = weight(m)
-        p%powder(c) = powder(m)
-        p%id(c) = id(m)
-        if (p%with_gas) p%coupled(:, c) = 0.0_wp
-        mass = mass + 1/p%state(mass_row, c)
-      end do
-      p%n = p%n + size(id)
-    end associate
+    call self%parcels%append(position, velocity, diameter, weight, density, powder, id)
     self%added = self%added + self%comm%sum(int(size(id), i8))
-    self%mass_added = self%mass_added + self%comm%sum(mass)
+    self%mass_added = self%mass_added + self%comm%sum(pi/6*sum(weight*density*diameter**3))
     call self%set_reach()
     call self%make_lists(self%trouble)
+    if (self%weighed < 0 .and. .not. self%trouble%failed()) then  ! nobody knew the work when tiles were dealt out
+      call share_work(self, moved)
+      if (moved) call self%make_lists(self%trouble)
+    end if
     call start_ways(self)
   end subroutine add
 
@@ -394,13 +377,27 @@ contains
     type(outcome_t), intent(inout) :: outcome
 
     real(wp) :: listed(2)
+    logical :: moved
 
     listed = self%comm%sum(real([self%list%entries, self%parcels%n], wp))
     self%skin = allowed_skin(self, fitting_skin(self%skin, typical_width(self), listed(1)/max(listed(2), 1.0_wp)))
     call keep_history(self)
+    call share_work(self, moved)
     call self%make_lists(outcome)
     call start_ways(self)
   end subroutine renew_lists
+
+  !> Look at the balance of work now and then.
+  subroutine share_work(self, moved)
+    class(solids_t), intent(inout) :: self
+    logical, intent(out) :: moved  !< whether tiles have changed hands
+
+    moved = .false.
+    if (self%comm%size == 1 .or. self%rebuilds < self%weighed + lists_per_look) return
+    self%weighed = self%rebuilds
+    call rebalance(self%tiles, self%parcels, self%list, self%walls%parcel(1:self%walls%entries), moved)
+    if (moved) self%tilings = self%tilings + 1
+  end subroutine share_work
 
   !> From here on parcels may go half the skin.
   pure subroutine start_ways(self)
@@ -434,7 +431,7 @@ contains
     place(order) = [(i, i=1, size(order))]
     call self%history%follow(place)
     call self%ghosts%invite(self%tiles, self%range, self%parcels, with_powder=allocated(self%parts))
-    call self%search%build(self%parcels, self%skin + self%reach, self%list)
+    call self%search%build(self%parcels, self%ghosts%near, self%skin + self%reach, self%list)
     call self%ahead%note(self%list, self%parcels)
     call self%pairs%take_all(self%list)
     call self%walls%build(self%chamber, self%parcels, 0.5_wp*self%skin + self%reach)

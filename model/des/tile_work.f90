@@ -1,4 +1,4 @@
-!> How much work the parcels of each tile are in a solids step.
+!> How much work the parcels of each tile are.
 module tile_work
   use contact_list, only: contact_list_t
   use kinds, only: wp
@@ -6,22 +6,27 @@ module tile_work
   use tiles, only: tiles_t
   implicit none
   private
-  public :: work_of_tiles
+  public :: work_of_tiles, kinds_of_work
 
-  ! Over that of a parcel by itself, coupling and lists included; fitted to the steps of two ranks of a bubbling bed.
-  real(wp), parameter :: entry_work = 0.2_wp  !< of a listed pair
-  real(wp), parameter :: touch_work = 1.5_wp  !< of one that touches, beside
-  real(wp), parameter :: wall_work = 2.5_wp   !< of a parcel near walls, beside
+  !> Ranks wait for each other after each sweep of contacts, and after what is done less often: lists, the choice of close pairs,
+  !> coupling.
+  integer, parameter :: kinds_of_work = 2, sweep = 1, seldom = 2
+
+  ! In the time that a step takes for a parcel by itself, measured in beds from loose to packed.
+  real(wp), parameter :: touch_work = 4.6_wp   !< of the sweep, for a pair that touches
+  real(wp), parameter :: wall_work = 8.7_wp    !< of the sweep, for a parcel near walls, beside
+  real(wp), parameter :: parcel_work = 1.5_wp  !< of the rest, for a parcel
+  real(wp), parameter :: entry_work = 0.2_wp   !< of the rest, for a listed pair
 
 contains
 
-  !> Of my parcels and of the pairs in their rows, over that of a parcel by itself.
+  !> Of my parcels and of the pairs in their rows.
   pure function work_of_tiles(tiles, parcels, list, near_walls) result(work)
     type(tiles_t), intent(in) :: tiles
     type(parcels_t), intent(in) :: parcels
     type(contact_list_t), intent(in) :: list
     integer, intent(in) :: near_walls(:)  !< columns of parcels near walls
-    real(wp) :: work(tiles%total)
+    real(wp) :: work(kinds_of_work, tiles%total)
 
     real(wp) :: own, beside(parcels%n)
     integer :: i, k, t
@@ -32,14 +37,15 @@ contains
       beside(near_walls(k)) = wall_work
     end do
     do i = 1, parcels%n
-      own = 1 + beside(i) + entry_work*(list%first(i + 1) - list%first(i))
+      own = 1 + beside(i)
       do k = list%first(i), list%first(i + 1) - 1
         associate (a => parcels%state(:, i), b => parcels%state(:, list%partner(k)))
           if (sum((a(1:3) - b(1:3))**2) < (a(radius_row) + b(radius_row))**2) own = own + touch_work
         end associate
       end do
       t = tiles%tile_of(parcels%state(1:3, i))
-      work(t) = work(t) + own
+      work(sweep, t) = work(sweep, t) + own
+      work(seldom, t) = work(seldom, t) + parcel_work + entry_work*(list%first(i + 1) - list%first(i))
     end do
   end function work_of_tiles
 

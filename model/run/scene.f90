@@ -17,7 +17,6 @@ module scene
   use enclosure, only: enclosure_of
   use gas, only: gas_t, new_gas
   use kinds, only: wp, i8
-  use load_balance, only: rebalance
   use mesh, only: mesh_t, new_mesh, new_uniform_mesh
   use open_space, only: open_space_t, new_open_space
   use outcome, only: outcome_t, exit_failed, exit_input
@@ -273,11 +272,9 @@ contains
     class(scene_t), intent(inout) :: self
     type(outcome_t), intent(inout) :: outcome
 
-
     call self%watch%enter(part_parcels)
     self%report%solids_steps = max(1, ceiling(self%report%dt/self%solids%next_step_limit()))
     call self%solids%advance(self%report%solids_steps, self%report%dt/self%report%solids_steps, outcome)
-    if (.not. outcome%failed()) call rebalance(self%solids, outcome)
     self%astray = outcome%failed()
     call self%watch%leave()
   end subroutine advance_parcels

@@ -1,4 +1,4 @@
-!> METIS 5, which cuts a weighted graph into parts of equal weight with few cut edges.
+!> METIS 5, which cuts a weighted graph into parts of equal weight, or weights of several kinds, with few cut edges.
 !>
 !> The library counts in integers whose width is chosen when it is built; this file speaks the usual 32 bits.
 module metis
@@ -18,7 +18,7 @@ module metis
   type :: graph_t
     integer(idx_t), allocatable :: first(:)      !< (vertices + 1)
     integer(idx_t), allocatable :: neighbour(:)  !< (edges, each from both ends)
-    integer(idx_t), allocatable :: weight(:)     !< (vertices)
+    integer(idx_t), allocatable :: weight(:,:)   !< (kinds, vertices) each kind is to be shared out evenly
     integer(idx_t), allocatable :: edge(:)       !< (edges) weights, the same from both ends
   end type graph_t
 
@@ -78,7 +78,8 @@ contains
 
     integer(idx_t) :: cut, label(size(part))
 
-    ok = metis_part_graph_recursive(size(part, kind=idx_t), 1_idx_t, graph%first, graph%neighbour, graph%weight, &
+    ok = metis_part_graph_recursive(size(part, kind=idx_t), size(graph%weight, 1, idx_t), graph%first, &
+                                    graph%neighbour, graph%weight, &
                                     c_null_ptr, graph%edge, int(parts, idx_t), c_null_ptr, c_null_ptr, &
                                     options(unevenness), cut, label) == success
     part = label
@@ -94,7 +95,8 @@ contains
 
     integer(idx_t) :: cut, label(size(part))
 
-    ok = metis_part_graph_kway(size(part, kind=idx_t), 1_idx_t, graph%first, graph%neighbour, graph%weight, &
+    ok = metis_part_graph_kway(size(part, kind=idx_t), size(graph%weight, 1, idx_t), graph%first, &
+                               graph%neighbour, graph%weight, &
                                c_null_ptr, graph%edge, int(parts, idx_t), c_null_ptr, c_null_ptr, &
                                options(unevenness), cut, label) == success
     part = label

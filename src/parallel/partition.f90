@@ -1,15 +1,17 @@
 !> A block of tiles dealt out to ranks: equal work for each, and little surface between them.
+!>
+!> Work is of several kinds, done one after the other: each is over when its busiest rank is ready, so each is to be shared evenly.
 module partition
   use kinds, only: wp
   use metis, only: idx_t, graph_t, cut_recursively, cut_directly
   implicit none
   private
-  public :: partition_block, largest_load, relabel
+  public :: partition_block, longest_time, relabel
 
-  integer, parameter :: unevenness = 30          !< permitted, in thousandths of the mean load
-  integer, parameter :: few = 16                 !< parts up to which halving is tried as well
+  integer, parameter :: unevenness_of_halves = 5, unevenness = 30  !< permitted, in thousandths of the mean load
+  integer, parameter :: few = 16                 !< parts up to which they are made by halving
   real(wp), parameter :: empty = 0.01_wp         !< work of all empty tiles together, relative to that of the others
-  real(wp), parameter :: resolution = 1e7_wp     !< the whole work in METIS's integers
+  real(wp), parameter :: resolution = 1e7_wp     !< the whole work of a kind in METIS's integers
   real(wp), parameter :: edge_unit = 100.0_wp    !< a face between tiles of mean work, in METIS's integers
   real(wp), parameter :: edge_most = 2000.0_wp
 
@@ -21,14 +23,14 @@ contains
     integer, intent(in) :: n(3)
     logical, intent(in) :: periodic(3)
     real(wp), intent(in) :: area(3)   !< face of a tile across each direction [m2]
-    real(wp), intent(in) :: work(:)   !< (tiles) [any unit]
+    real(wp), intent(in) :: work(:,:)   !< (kinds, tiles) [any unit]
     integer, intent(in) :: parts
     integer, intent(out) :: part(:)   !< (tiles)
     logical, intent(out) :: ok
 
     type(graph_t) :: graph
-    real(wp) :: weight(size(work))
-    integer :: i, other(size(work))
+    real(wp) :: weight(size(work, 1), size(part))
+    integer :: i
 
     ok = .true.
     part = [(i, i=0, size(part) - 1)]
@@ -36,16 +38,17 @@ contains
     part = 0
     if (parts == 1) return
 
-    weight = levelled(parts, with_floor(work))
+    do i = 1, size(work, 1)
+      weight(i, :) = levelled(parts, with_floor(work(i, :)))
+    end do
     graph = block_graph(n, periodic, area, weight)
-    call cut_directly(graph, parts, unevenness, part, ok)
-    if (.not. ok) return
     if (parts <= few) then
-      call cut_recursively(graph, parts, unevenness, other, ok)
-      if (.not. ok) return
-      if (better(graph, parts, weight, other, part)) part = other
+      call cut_recursively(graph, parts, unevenness_of_halves, part, ok)
+    else
+      call cut_directly(graph, parts, unevenness, part, ok)
     end if
-    call fill_empty(parts, weight, part)
+    if (.not. ok) return
+    call fill_empty(parts, sum(weight, 1), part)
   end subroutine partition_block
 
   !> The work of each tile, with a little for those that have none: they are still looked at, and they
@@ -81,20 +84,24 @@ contains
   pure function block_graph(n, periodic, area, weight) result(graph)
     integer, intent(in) :: n(3)
     logical, intent(in) :: periodic(3)
-    real(wp), intent(in) :: area(3), weight(:)
+    real(wp), intent(in) :: area(3), weight(:,:)
     type(graph_t) :: graph
 
     integer :: v, a, side, m, there, place(3)
-    real(wp) :: share, mean
+    real(wp) :: all(size(weight, 2)), mean
 
-    allocate (graph%first(size(weight) + 1), graph%weight(size(weight)))
-    allocate (graph%neighbour(6*size(weight)), graph%edge(6*size(weight)))
-    share = max(resolution, 100.0_wp*size(weight))/sum(weight)
-    graph%weight(:) = int(max(1.0_wp, anint(weight*share)), idx_t)
-    mean = sum(weight**2)/sum(weight)
+    associate (kinds => size(weight, 1), vertices => size(weight, 2))
+      allocate (graph%first(vertices + 1), graph%weight(kinds, vertices))
+      allocate (graph%neighbour(6*vertices), graph%edge(6*vertices))
+      do a = 1, kinds
+        graph%weight(a, :) = int(max(1.0_wp, anint(weight(a, :)*max(resolution, 100.0_wp*vertices)/sum(weight(a, :)))), idx_t)
+      end do
+    end associate
+    all = sum(weight, 1)
+    mean = sum(all**2)/sum(all)
     graph%first(1) = 0
     m = 0
-    do v = 1, size(weight)
+    do v = 1, size(all)
       place = [modulo(v - 1, n(1)), modulo((v - 1)/n(1), n(2)), (v - 1)/(n(1)*n(2))]
       do a = 1, 3
         do side = -1, 1, 2
@@ -103,7 +110,7 @@ contains
           m = m + 1
           graph%neighbour(m) = int(there, idx_t)
           graph%edge(m) = int(max(1.0_wp, min(edge_most, edge_unit*area(a)/maxval(area) &
-                                              *(0.1_wp + 0.5_wp*(weight(v) + weight(there + 1))/mean))), idx_t)
+                                              *(0.1_wp + 0.5_wp*(all(v) + all(there + 1))/mean))), idx_t)
         end do
       end do
       graph%first(v + 1) = int(m, idx_t)
@@ -129,53 +136,22 @@ contains
     vertex = at(1) + n(1)*(at(2) + n(2)*at(3))
   end function beside
 
-  !> Whether one partition is better than another: less load on the busiest part, or, both being good enough,
-  !> less weight of cut edges.
-  pure function better(graph, parts, weight, one, other)
-    type(graph_t), intent(in) :: graph
-    integer, intent(in) :: parts, one(:), other(:)
-    real(wp), intent(in) :: weight(:)
-    logical :: better
-
-    real(wp) :: load(2), enough
-
-    enough = (1 + 0.001_wp*unevenness)*sum(weight)/parts
-    load = max(enough, [largest_load(parts, weight, one), largest_load(parts, weight, other)])
-    better = load(1) < load(2)
-    if (all(load <= enough)) better = cut_weight(graph, one) < cut_weight(graph, other)
-  end function better
-
-  !> Work of the busiest part.
-  pure function largest_load(parts, work, part) result(largest)
+  !> Work of the busiest part, which may be another for each kind.
+  pure function longest_time(parts, work, part) result(longest)
     integer, intent(in) :: parts
-    real(wp), intent(in) :: work(:)  !< (tiles)
-    integer, intent(in) :: part(:)   !< (tiles) from 0
-    real(wp) :: largest
+    real(wp), intent(in) :: work(:,:)  !< (kinds, tiles)
+    integer, intent(in) :: part(:)     !< (tiles) from 0
+    real(wp) :: longest
 
-    real(wp) :: load(0:parts - 1)
+    real(wp) :: load(size(work, 1), 0:parts - 1)
     integer :: v
 
     load = 0
-    do v = 1, size(work)
-      load(part(v)) = load(part(v)) + work(v)
-    end do
-    largest = maxval(load)
-  end function largest_load
-
-  pure function cut_weight(graph, part) result(total)
-    type(graph_t), intent(in) :: graph
-    integer, intent(in) :: part(:)
-    real(wp) :: total
-
-    integer :: v, e
-
-    total = 0
     do v = 1, size(part)
-      do e = graph%first(v) + 1, graph%first(v + 1)
-        if (part(graph%neighbour(e) + 1) /= part(v)) total = total + graph%edge(e)
-      end do
+      load(:, part(v)) = load(:, part(v)) + work(:, v)
     end do
-  end function cut_weight
+    longest = sum(maxval(load, 2))
+  end function longest_time
 
   !> Give each part without a tile the lightest one of the part that has most tiles.
   pure subroutine fill_empty(parts, weight, part)

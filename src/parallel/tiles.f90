@@ -8,13 +8,13 @@ module tiles
   use kinds, only: wp
   use metis, only: metis_fits
   use outcome, only: exit_environment
-  use partition, only: partition_block, largest_load, relabel
+  use partition, only: partition_block, longest_time, relabel
   implicit none
   private
   public :: tiles_t, new_tiles, most_images
 
-  integer, parameter :: most_images = 26       !< images of one parcel, if no tile is thinner than the range
-  real(wp), parameter :: worth_it = 0.98_wp    !< new owners are taken if they lower the largest load to this share
+  integer, parameter :: most_images = 27       !< of one parcel, which has so many tiles around, its own included
+  real(wp), parameter :: worth_it = 0.98_wp    !< new owners are taken if they lower the time to this share
 
   type :: tiles_t
     type(communicator_t) :: comm
@@ -36,8 +36,7 @@ module tiles
     procedure :: images
     procedure :: set_owners
     procedure :: repartition
-    procedure, private :: imbalance_of_load, imbalance_of_tiles
-    generic :: imbalance => imbalance_of_load, imbalance_of_tiles
+    procedure :: imbalance
   end type tiles_t
 
 contains
@@ -51,7 +50,7 @@ contains
     type(tiles_t) :: tiles
 
     integer :: i
-    real(wp), allocatable :: work(:)
+    real(wp), allocatable :: work(:,:)
 
     if (.not. metis_fits()) call give_up(comm, 'METIS was built with integers of 64 bits; 32 are needed')
     tiles%comm = comm
@@ -62,7 +61,7 @@ contains
     tiles%total = product(tiles%n)
     tiles%width = (upper - lower)/tiles%n
     tiles%per_metre = tiles%n/(upper - lower)
-    allocate (work(tiles%total), source=1.0_wp)
+    allocate (work(1, tiles%total), source=1.0_wp)
     call tiles%set_owners(dealt_out(tiles, work, [(0, i=1, tiles%total)]))
   end function new_tiles
 
@@ -116,23 +115,34 @@ contains
   !> parcels may be counted by whichever rank holds them. Owners stay if new ones would not be worth it.
   subroutine repartition(self, weights, changed)
     class(tiles_t), intent(inout) :: self
-    real(wp), intent(in) :: weights(:)  !< (total) work in each tile, as far as this rank knows [any unit]
-    logical, intent(out) :: changed     !< whether any tile has another owner now
+    real(wp), intent(in) :: weights(:,:)  !< (kinds, total) work in each tile, as far as this rank knows, see partition [any unit]
+    logical, intent(out) :: changed       !< whether any tile has another owner now
 
-    real(wp) :: work(self%total)
     integer :: owner(self%total)
 
-    work = self%comm%sum(weights)
-    owner = dealt_out(self, work, self%owner)
+    owner = dealt_out(self, all_work(self, weights), self%owner)
     changed = any(owner /= self%owner)
     if (changed) call self%set_owners(owner)
   end subroutine repartition
 
+  !> The work in each tile, of all ranks.
+  function all_work(self, weights) result(work)
+    class(tiles_t), intent(in) :: self
+    real(wp), intent(in) :: weights(:,:)
+    real(wp) :: work(size(weights, 1), size(weights, 2))
+
+    integer :: k
+
+    do k = 1, size(weights, 1)
+      work(k, :) = self%comm%sum(weights(k, :))
+    end do
+  end function all_work
+
   !> New owners, from the root, for work known to all. They keep as much of it in place as they can.
   function dealt_out(self, work, old) result(owner)
     class(tiles_t), intent(in) :: self
-    real(wp), intent(in) :: work(:)  !< (total) [any unit]
-    integer, intent(in) :: old(:)    !< (total) ranks
+    real(wp), intent(in) :: work(:,:)  !< (kinds, total) [any unit]
+    integer, intent(in) :: old(:)      !< (total) ranks
     integer :: owner(size(old))
 
     logical :: ok
@@ -141,37 +151,26 @@ contains
       if (self%comm%is_root()) then
         call partition_block(self%n, self%periodic, product(self%width)/self%width, work, ranks, owner, ok)
         if (.not. ok) call give_up(self%comm, 'METIS could not cut the tiles into parts')
-        call relabel(ranks, work, old, owner)
-        if (largest_load(ranks, work, owner) >= worth_it*largest_load(ranks, work, old)) owner = old
+        call relabel(ranks, sum(work, 1), old, owner)
+        if (longest_time(ranks, work, owner) >= worth_it*longest_time(ranks, work, old)) owner = old
       end if
     end associate
     call self%comm%broadcast(owner)
   end function dealt_out
 
-  !> Largest load of a rank over the mean, from my own load, all ranks taking part; 1 if there is no load.
-  function imbalance_of_load(self, load) result(imbalance)
+  !> The time that the work takes over that which it would take if it were spread evenly, from the work in each tile, as far as this
+  !> rank knows; 1 if there is none. All ranks take part.
+  function imbalance(self, weights)
     class(tiles_t), intent(in) :: self
-    real(wp), intent(in) :: load  !< any unit
+    real(wp), intent(in) :: weights(:,:)  !< (kinds, total) any unit
     real(wp) :: imbalance
 
-    real(wp) :: mean
+    real(wp) :: work(size(weights, 1), size(weights, 2))
 
-    mean = self%comm%sum(load)/self%comm%size
-    imbalance = self%comm%max(load)
-    imbalance = merge(imbalance/merge(mean, 1.0_wp, mean > 0), 1.0_wp, mean > 0)
-  end function imbalance_of_load
-
-  !> The same from the work in each tile, as far as this rank knows.
-  function imbalance_of_tiles(self, weights) result(imbalance)
-    class(tiles_t), intent(in) :: self
-    real(wp), intent(in) :: weights(:)  !< (total) any unit
-    real(wp) :: imbalance
-
-    real(wp) :: work(self%total)
-
-    work = self%comm%sum(weights)
-    imbalance = self%imbalance(sum(work, mask=self%owner == self%comm%rank))
-  end function imbalance_of_tiles
+    work = all_work(self, weights)
+    imbalance = 1.0_wp
+    if (any(work > 0.0_wp)) imbalance = longest_time(self%comm%size, work, self%owner)*self%comm%size/sum(work)
+  end function imbalance
 
   !> Place of a tile in each direction, from 0.
   pure function place_of(self, tile) result(place)
@@ -248,85 +247,72 @@ contains
   end subroutine wrap
 
   !> Where a parcel of mine must be present as a ghost: every rank, with the shift of the position, that owns a
-  !> tile within `range` of x + shift. At most `most_images` as long as no tile is thinner than the range.
+  !> tile within `range` of x + shift. No tile is thinner than the range, so these are around the parcel's own.
   subroutine images(self, x, range, rank, shift, count)
     class(tiles_t), intent(in) :: self
     real(wp), intent(in) :: x(3)             !< [m]
     real(wp), intent(in) :: range            !< [m]
-    integer, intent(inout) :: rank(:)        !< (room for the images)
-    real(wp), intent(inout) :: shift(:,:)    !< (3, room for the images) [m]
+    integer, intent(inout) :: rank(:)        !< (most_images)
+    real(wp), intent(inout) :: shift(:,:)    !< (3, most_images) [m]
     integer, intent(out) :: count
 
-    integer :: from(3), to(3), at(3), i, j, k
-    real(wp) :: gap(3)
+    integer :: at(3), from(3), to(3), tile(-1:1, 3), turns(-1:1, 3), way, ways(most_images), owner, stride, a, i, j, k, m
+    real(wp) :: square(-1:1, 3)
 
     count = 0
-    from = floor((x - self%lower)*self%per_metre)
-    at = max(0, min(from, self%n - 1))
-    if (all(at == from .or. .not. self%periodic)) then
+    at = floor((x - self%lower)*self%per_metre)
+    where (.not. self%periodic) at = max(0, min(at, self%n - 1))
+    if (all(at >= 0 .and. at < self%n)) then
       if (self%inner(tile_at(self%n, at))) return
     end if
-    from = floor((x - range - self%lower)*self%per_metre)
-    to = floor((x + range - self%lower)*self%per_metre)
-    where (.not. self%periodic)
-      from = max(0, min(from, self%n - 1))
-      to = max(0, min(to, self%n - 1))
-    end where
+    stride = 1
+    do a = 1, 3
+      call look_along(self, a, at(a), x(a), range, from(a), to(a), tile(:, a), turns(:, a), square(:, a))
+      tile(:, a) = stride*tile(:, a)
+      stride = stride*self%n(a)
+    end do
     do k = from(3), to(3)
-      gap(3) = gap_to(self, 3, k, x(3))
       do j = from(2), to(2)
-        gap(2) = gap_to(self, 2, j, x(2))
         do i = from(1), to(1)
-          if (is_mine(self, [i, j, k])) cycle
-          gap(1) = gap_to(self, 1, i, x(1))
-          if (sum(gap**2) <= range**2) call add_image(self, [i, j, k], rank, shift, count)
+          owner = self%owner(1 + tile(i, 1) + tile(j, 2) + tile(k, 3))
+          way = turns(i, 1) + 3*(turns(j, 2) + 3*turns(k, 3))  ! no two are alike
+          if (owner == self%comm%rank .and. way == 0) cycle
+          if (square(i, 1) + square(j, 2) + square(k, 3) > range**2) cycle
+          do m = 1, count
+            if (rank(m) == owner .and. ways(m) == way) exit
+          end do
+          if (m <= count) cycle
+          count = m
+          rank(m) = owner
+          ways(m) = way
+          shift(:, m) = [turns(i, 1), turns(j, 2), turns(k, 3)]*(self%upper - self%lower)
         end do
       end do
     end do
   end subroutine images
 
-  !> Whether a place within the domain is my own.
-  pure function is_mine(self, place)
+  !> The tile at place `at` and its two neighbours along direction a, of which `from` to `to` are within range.
+  pure subroutine look_along(self, a, at, x, range, from, to, place, turns, square)
     class(tiles_t), intent(in) :: self
-    integer, intent(in) :: place(3)
-    logical :: is_mine
+    integer, intent(in) :: a, at             !< the place may lie beyond a periodic face
+    real(wp), intent(in) :: x, range         !< [m]
+    integer, intent(out) :: from, to         !< -1 to 1
+    integer, intent(out) :: place(-1:1)      !< within the domain
+    integer, intent(out) :: turns(-1:1)      !< lengths of the domain from the tile to that place
+    real(wp), intent(out) :: square(-1:1)    !< of the distance from x to the tile [m2]
 
-    is_mine = .false.
-    if (all(place >= 0 .and. place < self%n)) is_mine = self%owner(tile_at(self%n, place)) == self%comm%rank
-  end function is_mine
+    real(wp) :: below, above
 
-  !> Distance in direction a from a position to a tile, whose place may lie beyond a periodic face [m].
-  pure function gap_to(self, a, place, x) result(gap)
-    class(tiles_t), intent(in) :: self
-    integer, intent(in) :: a, place
-    real(wp), intent(in) :: x
-    real(wp) :: gap
-
-    gap = 0
-    if (self%periodic(a) .or. place > 0) gap = max(gap, self%lower(a) + place*self%width(a) - x)
-    if (self%periodic(a) .or. place < self%n(a) - 1) gap = max(gap, x - self%lower(a) - (place + 1)*self%width(a))
-  end function gap_to
-
-  !> Note the rank of a place and the shift that brings a parcel there, unless they are listed already.
-  subroutine add_image(self, place, rank, shift, count)
-    class(tiles_t), intent(in) :: self
-    integer, intent(in) :: place(3)
-    integer, intent(inout) :: rank(:), count
-    real(wp), intent(inout) :: shift(:,:)
-
-    integer :: wrapped(3), owner, m
-    real(wp) :: way(3)
-
-    wrapped = modulo(place, self%n)
-    owner = self%owner(tile_at(self%n, wrapped))
-    way = ((wrapped - place)/self%n)*(self%upper - self%lower)
-    do m = 1, count
-      if (rank(m) == owner .and. all(abs(shift(:, m) - way) < self%width)) return
-    end do
-    if (count == size(rank)) error stop 'tiles: a parcel has more images than there is room for'
-    count = count + 1
-    rank(count) = owner
-    shift(:, count) = way
-  end subroutine add_image
+    below = x - (self%lower(a) + at*self%width(a))
+    above = self%lower(a) + (at + 1)*self%width(a) - x
+    from = merge(-1, 0, below <= range .and. (self%periodic(a) .or. at > 0))
+    to = merge(1, 0, above <= range .and. (self%periodic(a) .or. at < self%n(a) - 1))
+    square = [below**2, 0.0_wp, above**2]
+    place = at + [-1, 0, 1]
+    turns = 0
+    if (.not. self%periodic(a)) return
+    place = modulo(place, self%n(a))
+    turns = (place - at - [-1, 0, 1])/self%n(a)
+  end subroutine look_along
 
 end module tiles

@@ -20,7 +20,6 @@ program bench_contacts
   use des_settings, only: des_settings_t
   use, intrinsic :: iso_fortran_env, only: int64
   use kinds, only: wp, i8
-  use load_balance, only: rebalance
   use outcome, only: outcome_t
   use powders, only: equal_volumes, log_normal, packed
   use solids, only: solids_t
@@ -319,7 +318,6 @@ contains
     call start(bed, bed%contact, run%solids)
     run%dt = 0.4_wp*run%solids%time_step_limit()
     call run%solids%advance(merge(3000, 100, bed%gas), run%dt, outcome)
-    call rebalance(run%solids, outcome)
     if (outcome%failed()) call fail(outcome)
   end subroutine warm_up
 

@@ -5,7 +5,6 @@ program test_des_many
   use contact_settings, only: contact_settings_t
   use des_scenes, only: scene, put, cloud, place_of, run
   use kinds, only: wp, i8
-  use load_balance, only: rebalance
   use mpi_f08, only: MPI_COMM_SELF
   use outcome, only: outcome_t
   use solids, only: solids_t
@@ -211,7 +210,6 @@ contains
     character(len=*), intent(in), optional :: rolling
 
     type(solids_t) :: together, apart
-    type(outcome_t) :: outcome
     real(wp), allocatable :: a(:,:), b(:,:)
     logical :: near
     integer :: i
@@ -222,7 +220,6 @@ contains
     do i = 1, 10
       call run(together, 25, apart%time_step_limit())
       near = near .and. are_near_home(together)
-      call rebalance(together, outcome)
       call run(apart, 25, apart%time_step_limit())
     end do
     call gather(together, 400, a)
@@ -269,9 +266,7 @@ contains
 
     call falling(comm, 400, friction, [.true., .false., .false.], whole, rolling)
     dt = whole%time_step_limit()
-    call run(whole, 513, dt)
-    call rebalance(whole, outcome)
-    call run(whole, 4, dt)
+    call run(whole, 517, dt)
     call export_state(whole, state)
     resumed = scene(comm, [0.01_wp, 0.0075_wp, 0.02_wp], -9.81_wp, material(friction, rolling), [.true., .false., .false.])
     call import_state(resumed, state, outcome)
@@ -334,7 +329,6 @@ contains
     type(solids_t) :: falls, driven
     real(wp), allocatable :: x(:,:), v(:,:), diameter(:), a(:,:), b(:,:)
     logical :: right
-    type(outcome_t) :: outcome
     integer :: i
 
     call falling(comm, 400, 0.3_wp, [.true., .false., .false.], falls)
@@ -349,8 +343,6 @@ contains
     do i = 1, 10
       call run(falls, 25, falls%time_step_limit())
       call run(driven, 25, falls%time_step_limit())
-      call rebalance(falls, outcome)
-      call rebalance(driven, outcome)
     end do
     call gather(falls, 400, a)
     call gather(driven, 400, b)

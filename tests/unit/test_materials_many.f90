@@ -6,7 +6,6 @@ program test_materials_many
   use contact_settings, only: contact_settings_t
   use des_scenes, only: scene, put, cloud, run
   use kinds, only: wp
-  use load_balance, only: rebalance
   use material_settings, only: material_settings_t, pair_settings_t
   use mpi_f08, only: MPI_COMM_SELF
   use outcome, only: outcome_t
@@ -123,7 +122,6 @@ contains
     type(contact_settings_t), intent(in) :: contact
 
     type(solids_t) :: together, apart
-    type(outcome_t) :: outcome
     real(wp) :: a(6, n), b(6, n)
     integer :: i
 
@@ -132,7 +130,6 @@ contains
     call expect_all(size(apart%parts) == 6, 'every pair of materials has its own part of the list')
     do i = 1, 10
       call run(together, 50, apart%time_step_limit())
-      call rebalance(together, outcome)
       call run(apart, 50, apart%time_step_limit())
     end do
     call gather(together, a)
@@ -155,9 +152,7 @@ contains
 
     call falling(comm, three(friction, [1, 2, 3]), whole)
     dt = whole%time_step_limit()
-    call run(whole, 513, dt)
-    call rebalance(whole, outcome)
-    call run(whole, 4, dt)
+    call run(whole, 517, dt)
     call export_state(whole, state)
     resumed = scene(comm, [0.01_wp, 0.0075_wp, 0.02_wp], -9.81_wp, three(friction, [1, 2, 3]), [.true., .false., .false.])
     call import_state(resumed, state, outcome)

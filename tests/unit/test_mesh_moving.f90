@@ -6,7 +6,6 @@ program test_mesh_moving
   use constants, only: pi
   use des_scenes, only: put, cloud, run
   use kinds, only: wp
-  use load_balance, only: rebalance
   use mesh_checks, only: find_reach
   use mesh_scenes, only: mesh_room, mesh, sheet, ball, drum
   use mpi_f08, only: MPI_COMM_SELF
@@ -280,7 +279,6 @@ contains
   !> All ranks together and each by itself compute the same mill, which turns its parcels and loses none.
   subroutine same_on_all_ranks()
     type(solids_t) :: together, apart
-    type(outcome_t) :: outcome
     type(statistics_t) :: s
     real(wp) :: a(9, 200), b(9, 200), dt
     integer :: i
@@ -292,7 +290,6 @@ contains
     dt = apart%time_step_limit()
     do i = 1, 10
       call run(together, 30, dt)
-      call rebalance(together, outcome)
       call run(apart, 30, dt)
     end do
     call gather(together, 200, a)
@@ -318,9 +315,7 @@ contains
     whole = mill(comm)
     call fill(whole)
     dt = whole%time_step_limit()
-    call run(whole, 2013, dt)
-    call rebalance(whole, outcome)
-    call run(whole, 4, dt)
+    call run(whole, 2017, dt)
     call export_state(whole, state)
     resumed = mill(comm)
     call import_state(resumed, state, outcome)

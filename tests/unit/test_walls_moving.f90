@@ -5,7 +5,6 @@ program test_walls_moving
   use communicator, only: communicator_t, start_ranks, stop_ranks
   use des_scenes, only: put, cloud, run
   use kinds, only: wp
-  use load_balance, only: rebalance
   use mpi_f08, only: MPI_COMM_SELF
   use outcome, only: outcome_t
   use solids, only: solids_t
@@ -159,7 +158,6 @@ contains
   !> All ranks together and each by itself compute the same drum, which turns its parcels and loses none.
   subroutine same_on_all_ranks()
     type(solids_t) :: together, apart
-    type(outcome_t) :: outcome
     type(statistics_t) :: s
     real(wp) :: a(9, 200), b(9, 200), dt
     integer :: i
@@ -171,7 +169,6 @@ contains
     dt = apart%time_step_limit()
     do i = 1, 10
       call run(together, 30, dt)
-      call rebalance(together, outcome)
       call run(apart, 30, dt)
     end do
     call gather(together, 200, a)
@@ -198,9 +195,7 @@ contains
     whole = drum(comm)
     call fill(whole)
     dt = whole%time_step_limit()
-    call run(whole, 2013, dt)
-    call rebalance(whole, outcome)
-    call run(whole, 4, dt)
+    call run(whole, 2017, dt)
     call export_state(whole, state)
     resumed = drum(comm)
     call import_state(resumed, state, outcome)
