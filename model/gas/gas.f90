@@ -15,12 +15,13 @@ module gas
   use mesh, only: mesh_t
   use open_space, only: open_space_t
   use outcome, only: outcome_t
+  use pressure_solver, only: pace_size
   use simple_step, only: advance_state, restore_state
   implicit none
   private
-  public :: gas_t, gas_report_t, new_gas, saved_fields
+  public :: gas_t, gas_report_t, new_gas, saved_fields, pace_size
 
-  integer, parameter :: saved_fields = 8  !< per cell, of the state of a gas
+  integer, parameter :: saved_fields = 12  !< per cell, of the state of a gas
 
   type, extends(gas_state_t) :: gas_t
   contains
@@ -172,12 +173,15 @@ contains
   end function drag_total
 
   !> Everything a run needs to go on from here: upper face velocities (1:3), pressure (4), old void fraction (5)
-  !> and the velocities on the low surface of the domain (6:8). Independent of how the grid is cut into boxes.
-  subroutine export_state(self, fields)
+  !> the velocities on the low surface of the domain (6:8) and the matrix of multigrid (9:12). Independent of how the grid is cut
+  !> into boxes.
+  subroutine export_state(self, fields, pace)
     class(gas_t), intent(in) :: self
     real(wp), intent(out), contiguous :: fields(:,:,:,:)  !< (saved_fields, cells 1..n)
+    real(wp), intent(out) :: pace(pace_size)              !< of multigrid
 
     integer :: a
+    real(wp), allocatable :: matrix(:,:,:,:)
 
     fields = 0.0_wp
     associate (n => self%boxes%n, u => self%velocity)
@@ -190,14 +194,21 @@ contains
       if (self%boxes%at_low(2)) fields(7, :, 1, :) = u(1:n(1), 0, 1:n(3), 2)
       if (self%boxes%at_low(3)) fields(8, :, :, 1) = u(1:n(1), 1:n(2), 0, 3)
     end associate
+    allocate (matrix(size(fields, 2), size(fields, 3), size(fields, 4), 4))
+    call self%solver%export_state(matrix, pace)
+    do a = 1, 4
+      fields(8 + a, :, :, :) = matrix(:, :, :, a)
+    end do
   end subroutine export_state
 
   !> The reverse; `eps`, `drag` and `drag_source` are inputs of the next step and set by their owner.
-  subroutine import_state(self, fields)
+  subroutine import_state(self, fields, pace)
     class(gas_t), intent(inout) :: self
     real(wp), intent(in), contiguous :: fields(:,:,:,:)
+    real(wp), intent(in) :: pace(pace_size)
 
     integer :: a
+    real(wp), allocatable :: matrix(:,:,:,:)
 
     associate (n => self%boxes%n)
       do a = 1, 3
@@ -209,6 +220,11 @@ contains
       if (self%boxes%at_low(2)) self%velocity(1:n(1), 0, 1:n(3), 2) = fields(7, :, 1, :)
       if (self%boxes%at_low(3)) self%velocity(1:n(1), 1:n(2), 0, 3) = fields(8, :, :, 1)
     end associate
+    allocate (matrix(size(fields, 2), size(fields, 3), size(fields, 4), 4))
+    do a = 1, 4
+      matrix(:, :, :, a) = fields(8 + a, :, :, :)
+    end do
+    call self%solver%import_state(matrix, pace)
     call self%halo%exchange(self%pressure)
     call self%halo%exchange_many(self%velocity)
     if (allocated(self%ideal)) call find_density(self)

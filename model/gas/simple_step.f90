@@ -65,6 +65,7 @@ contains
     state%velocity_before = state%velocity
     state%pressure_before = state%pressure
     state%driving%drop_before = state%driving%drop
+    call state%solver%remember()
     call set_inflow(state%boundary, state%time + dt)
     call gather_forces(state%boxes%n, state%drag, state%drag_source, state%forces)
     call state%halo%exchange(state%eps)
@@ -242,6 +243,7 @@ contains
     state%velocity = state%velocity_before
     state%pressure = state%pressure_before
     state%driving%drop = state%driving%drop_before
+    call state%solver%recall()
     if (allocated(state%ideal)) call find_density(state)
   end subroutine restore_state
 

@@ -3,7 +3,7 @@
 !> On the number of ranks that wrote the file, the run goes on bit for bit as if it had not stopped; on another
 !> number, to rounding.
 module checkpoint
-  use gas, only: saved_fields
+  use gas, only: saved_fields, pace_size
   use kinds, only: wp, i8
   use ledger, only: ledger_t, ledger_from, ledger_size
   use outcome, only: outcome_t, exit_input
@@ -15,8 +15,9 @@ module checkpoint
   private
   public :: write_checkpoint, read_checkpoint
 
-  character(len=*), parameter :: gas_names(saved_fields) = [character(len=16) :: 'gas_velocity_1', 'gas_velocity_2', &
-    'gas_velocity_3', 'gas_pressure', 'void_fraction', 'gas_inlet_1', 'gas_inlet_2', 'gas_inlet_3']
+  character(len=*), parameter :: gas_names(saved_fields) = [character(len=18) :: 'gas_velocity_1', 'gas_velocity_2', &
+    'gas_velocity_3', 'gas_pressure', 'void_fraction', 'gas_inlet_1', 'gas_inlet_2', 'gas_inlet_3', 'multigrid_diagonal', &
+    'multigrid_upper_1', 'multigrid_upper_2', 'multigrid_upper_3']
 
   ! Places of the clock's numbers.
   integer, parameter :: clock_size = 7
@@ -47,12 +48,14 @@ contains
     type(scene_t), intent(in) :: scene
 
     real(wp), allocatable :: fields(:,:,:,:), field(:,:,:)
+    real(wp) :: pace(pace_size)
     integer :: i
 
     associate (n => scene%boxes%n)
       allocate (fields(saved_fields, n(1), n(2), n(3)))
     end associate
-    call scene%gas%export_state(fields)
+    call scene%gas%export_state(fields, pace)
+    call file%add_copy('multigrid_pace', pace)
     do i = 1, saved_fields
       field = fields(i, :, :, :)
       call file%add_field(trim(gas_names(i)), field, scene%boxes%lo, scene%boxes%cells)
@@ -126,7 +129,7 @@ contains
     character(len=*), intent(in) :: name
     type(outcome_t), intent(inout) :: outcome
 
-    real(wp), allocatable :: fields(:,:,:,:), field(:,:,:), drop(:)
+    real(wp), allocatable :: fields(:,:,:,:), field(:,:,:), pace(:), drop(:)
     integer :: i
 
     if (any(file%field_shape(trim(gas_names(1))) /= scene%boxes%cells)) then
@@ -141,7 +144,8 @@ contains
       call file%get_field(trim(gas_names(i)), field, scene%boxes%lo)
       fields(i, :, :, :) = field
     end do
-    call scene%gas%import_state(fields)
+    call file%get_copy('multigrid_pace', pace)
+    call scene%gas%import_state(fields, pace)
     if (.not. any(scene%gas%driving%held)) return
     if (.not. file%has('periodic_pressure_drop')) return
     call file%get_copy('periodic_pressure_drop', drop)

@@ -8,6 +8,8 @@
 !>
 !> Solved by conjugate gradients (Hestenes and Stiefel, J. Res. Natl. Bur. Stand. 49 (1952) 409), preconditioned by a cycle of
 !> hypre's multigrid. hypre's own conjugate gradients go through one more cycle after the last iteration: a tenth of the gas.
+!> Setting multigrid up costs as much as several cycles, and matrices change little from step to step. So it is kept while the
+!> iterations it has cost, beside those right after it was set up, are fewer than that. Its matrix is part of the state of a run.
 !> PFMG is at a loss where an odd number of cells goes round: it is told that they end there, which costs three times the iterations
 !> of an even number, but not the more the more cells there are.
 module pressure_solver
@@ -19,9 +21,11 @@ module pressure_solver
   use kinds, only: wp
   implicit none
   private
-  public :: pressure_solver_t
+  public :: pressure_solver_t, pace_size
 
   integer, parameter :: most_iterations = 200
+  real(wp), parameter :: price = 6.0_wp       !< of setting multigrid up, in iterations
+  integer, parameter :: pace_size = 3
 
   type :: pressure_solver_t
     private
@@ -37,6 +41,13 @@ module pressure_solver
     logical, allocatable :: held(:,:,:)         !< (0:n1+1,0:n2+1,0:n3+1) those with p = 0; exists if there may be any
     real(wp), allocatable :: diagonal(:,:,:)    !< (cells) sum of c_f, and s_cell
     real(wp), allocatable :: link(:,:,:,:)      !< (0:n1,0:n2,0:n3, a) c_f of a cell's upper face across a, if both are unknown
+    logical :: moved = .true.                   !< whether the matrix is another than that of multigrid
+    real(wp) :: pace = 0.0_wp                   !< iterations per decade of the residual while it was the same; 0 if not known
+    real(wp) :: iterations = 0.0_wp, decades = 0.0_wp  !< since then, or, while there is no pace, up to now
+    real(wp), allocatable :: basis(:,:,:,:)     !< (cells, 4) matrix of multigrid: diagonal, upper neighbours; exists once set up
+    real(wp) :: pace_before(pace_size) = 0.0_wp    !< the same when `remember` was called
+    real(wp), allocatable :: basis_before(:,:,:,:)
+    logical :: replaced = .false.               !< whether multigrid has been set up since then
     real(wp), allocatable :: residual(:,:,:)    !< (cells) b less matrix times solution
     real(wp), allocatable :: smoothed(:,:,:)    !< (cells) it after a cycle of multigrid
     real(wp), allocatable :: direction(:,:,:)   !< (-1:n1+2,-1:n2+2,-1:n3+2) in which the solution is improved
@@ -46,6 +57,10 @@ module pressure_solver
     procedure :: hold
     procedure :: set_matrix
     procedure :: solve
+    procedure :: remember
+    procedure :: recall
+    procedure :: export_state
+    procedure :: import_state
     procedure :: destroy
   end type pressure_solver_t
 
@@ -84,16 +99,21 @@ contains
     allocate (self%held(0:ubound(cells, 1), 0:ubound(cells, 2), 0:ubound(cells, 3)), source=cells)
   end subroutine hold
 
-  !> Take new coefficients and set multigrid up for them.
+  !> Take new coefficients.
   subroutine set_matrix(self, conductance, capacity)
     class(pressure_solver_t), intent(inout) :: self
     real(wp), intent(in), contiguous :: conductance(-1:, -1:, -1:, :)  !< (cell, a): c_f of its upper face across a
     real(wp), intent(in), optional :: capacity(:,:,:)                  !< (cells) s_cell, none if not given
 
-    real(wp), allocatable :: upper(:,:,:,:)  !< (cells, a) coefficient of the upper neighbour across a
     real(wp) :: usual
     integer :: a, p
 
+    if (.not. self%pace > 0.0_wp .and. self%decades > 0.0_wp) then
+      self%pace = self%iterations/self%decades
+      self%iterations = 0.0_wp
+      self%decades = 0.0_wp
+    end if
+    self%moved = .true.
     self%diagonal = 0.0_wp
     if (present(capacity)) self%diagonal = capacity
     do a = 1, 3
@@ -109,12 +129,36 @@ contains
       usual = self%comm%max(maxval(self%diagonal))
       where (self%closed) self%diagonal = usual
     end if
-    upper = -self%link(1:, 1:, 1:, :)
-    do a = 1, 3
-      if (self%at_seam(a)) call clear_last(a, upper(:, :, :, a))
-    end do
-    call self%multigrid%set_matrix(self%diagonal, upper)
   end subroutine set_matrix
+
+  !> Set multigrid up for the matrix.
+  subroutine set_up(self)
+    class(pressure_solver_t), intent(inout) :: self
+
+    integer :: a
+
+    if (.not. self%replaced) call move_alloc(self%basis, self%basis_before)
+    self%replaced = .true.
+    if (.not. allocated(self%basis)) allocate (self%basis(self%n(1), self%n(2), self%n(3), 4))
+    self%basis(:, :, :, 1) = self%diagonal
+    self%basis(:, :, :, 2:) = -self%link(1:, 1:, 1:, :)
+    do a = 1, 3
+      if (self%at_seam(a)) call clear_last(a, self%basis(:, :, :, 1 + a))
+    end do
+    call self%multigrid%set_matrix(self%basis(:, :, :, 1), self%basis(:, :, :, 2:))
+    self%moved = .false.
+    self%pace = 0.0_wp
+    self%iterations = 0.0_wp
+    self%decades = 0.0_wp
+  end subroutine set_up
+
+  !> Whether multigrid has cost more than setting it up anew would.
+  pure function is_worn(self)
+    class(pressure_solver_t), intent(in) :: self
+    logical :: is_worn
+
+    is_worn = .not. allocated(self%basis) .or. self%iterations - self%pace*self%decades > price
+  end function is_worn
 
   !> What cells have to do with their neighbours across a.
   pure subroutine set_links(self, a, conductance)
@@ -178,6 +222,7 @@ contains
       where (self%held(1:self%n(1), 1:self%n(2), 1:self%n(3))) b = 0.0_wp
     end if
     p(1:self%n(1), 1:self%n(2), 1:self%n(3)) = 0.0_wp
+    if (self%moved .and. is_worn(self)) call set_up(self)
     call iterate(self, b, reduction, p, iterations)
   end subroutine solve
 
@@ -189,12 +234,13 @@ contains
     real(wp), intent(inout), contiguous :: p(-1:, -1:, -1:)  !< 0 in the cells
     integer, intent(out) :: iterations
 
-    real(wp) :: left, goal           !< square of the 2-norm of the residual, and what it shall be
+    real(wp) :: left, goal, start    !< square of the 2-norm of the residual, what it shall be, and was
     real(wp) :: slope, slope_before  !< residual . smoothed
     real(wp) :: bend                 !< direction . matrix times direction
 
     self%residual = b
     left = self%comm%sum(product_of(self%n, b, b))
+    start = left
     goal = reduction**2*left
     slope_before = 1.0_wp
     self%direction = 0.0_wp
@@ -212,7 +258,69 @@ contains
       slope_before = slope
       iterations = iterations + 1
     end do
+    self%iterations = self%iterations + iterations
+    if (iterations > 0) self%decades = self%decades + 0.5_wp*log10(start/max(left, tiny(left)))
   end subroutine iterate
+
+  !> A step begins that may be taken back.
+  pure subroutine remember(self)
+    class(pressure_solver_t), intent(inout) :: self
+
+    self%replaced = .false.
+    self%pace_before = [self%pace, self%iterations, self%decades]
+  end subroutine remember
+
+  !> It is taken back.
+  subroutine recall(self)
+    class(pressure_solver_t), intent(inout) :: self
+
+    if (self%replaced) then
+      deallocate (self%basis)
+      if (allocated(self%basis_before)) call take_over(self, self%basis_before)
+      self%replaced = .false.
+    end if
+    call set_pace(self, self%pace_before)
+  end subroutine recall
+
+  !> The multigrid of this matrix.
+  subroutine take_over(self, matrix)
+    class(pressure_solver_t), intent(inout) :: self
+    real(wp), intent(in) :: matrix(:,:,:,:)  !< (cells, 4)
+
+    self%basis = matrix
+    call self%multigrid%set_matrix(self%basis(:, :, :, 1), self%basis(:, :, :, 2:))
+  end subroutine take_over
+
+  pure subroutine set_pace(self, pace)
+    class(pressure_solver_t), intent(inout) :: self
+    real(wp), intent(in) :: pace(pace_size)
+
+    self%pace = pace(1)
+    self%iterations = pace(2)
+    self%decades = pace(3)
+  end subroutine set_pace
+
+  !> The matrix of multigrid and how it has done; no matrix is all 0.
+  subroutine export_state(self, matrix, pace)
+    class(pressure_solver_t), intent(in) :: self
+    real(wp), intent(out) :: matrix(:,:,:,:)  !< (cells, 4)
+    real(wp), intent(out) :: pace(pace_size)
+
+    matrix = 0.0_wp
+    if (allocated(self%basis)) matrix = self%basis
+    pace = [self%pace, self%iterations, self%decades]
+  end subroutine export_state
+
+  !> Go on with the multigrid of another run.
+  subroutine import_state(self, matrix, pace)
+    class(pressure_solver_t), intent(inout) :: self
+    real(wp), intent(in) :: matrix(:,:,:,:)  !< (cells, 4)
+    real(wp), intent(in) :: pace(pace_size)
+
+    if (.not. self%comm%any_of(any(matrix > 0.0_wp))) return
+    call take_over(self, matrix)
+    call set_pace(self, pace)
+  end subroutine import_state
 
   !> x . y over my cells.
   pure function product_of(n, x, y) result(total)

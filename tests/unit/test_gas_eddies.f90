@@ -4,7 +4,7 @@ program test_gas_eddies
   use communicator, only: communicator_t, start_ranks, stop_ranks
   use eddy_flows, only: channel_error, channel_velocity, pipe_error, shear_force, gap
   use eddy_viscosity, only: add_turned, find_eddies
-  use gas, only: gas_t, saved_fields
+  use gas, only: gas_t, saved_fields, pace_size
   use gas_settings, only: make_ideal
   use gas_cases, only: scene_t, record, make_gas, set_cells, steps, wavy_void
   use kinds, only: wp
@@ -196,7 +196,7 @@ contains
     type(gas_t) :: gas(2)
     type(outcome_t) :: outcome
     real(wp), allocatable :: fields(:,:,:,:)
-    real(wp) :: gap
+    real(wp) :: gap, pace(pace_size)
     logical :: ok(3)
 
     call make_gas(comm, vessel(.false.), gas(1), outcome)
@@ -204,8 +204,8 @@ contains
     ok(1) = steps(gas(1), 3, 1.0e-3_wp)
     associate (n => gas(1)%boxes%n)
       allocate (fields(saved_fields, n(1), n(2), n(3)))
-      call gas(1)%export_state(fields)
-      call gas(2)%import_state(fields)
+      call gas(1)%export_state(fields, pace)
+      call gas(2)%import_state(fields, pace)
       ok(2) = steps(gas(1), 2, 1.0e-3_wp)
       ok(3) = steps(gas(2), 2, 1.0e-3_wp)
       gap = comm%max(maxval(abs(gas(1)%velocity(1:n(1), 1:n(2), 1:n(3), :) - gas(2)%velocity(1:n(1), 1:n(2), 1:n(3), :))))

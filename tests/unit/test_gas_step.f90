@@ -3,7 +3,7 @@ program test_gas_step
   use check, only: expect, expect_close, finish
   use communicator, only: communicator_t, start_ranks, stop_ranks
   use convection, only: limited, limiter_index
-  use gas, only: gas_t, saved_fields
+  use gas, only: gas_t, saved_fields, pace_size
   use gas_cases, only: scene_t, record, make_gas, set_cells, steps, &
     flat_void, flat_drag, slug_drag, slug_source
   use kinds, only: wp
@@ -287,6 +287,7 @@ contains
     type(gas_t) :: run, continued
     type(outcome_t) :: outcome
     real(wp), allocatable :: saved(:,:,:,:), one(:,:,:,:), two(:,:,:,:)
+    real(wp) :: pace(pace_size)
     logical :: converged, same
     integer :: step
 
@@ -304,16 +305,16 @@ contains
       call set_bed(run, step)
       if (step > 0) call run%advance(1.0e-3_wp, converged)
       call run%accept()
-      if (step == 3) call run%export_state(saved)
+      if (step == 3) call run%export_state(saved, pace)
     end do
-    call continued%import_state(saved)
+    call continued%import_state(saved, pace)
     do step = 4, 6
       call set_bed(continued, step)
       call continued%advance(1.0e-3_wp, converged)
       call continued%accept()
     end do
-    call run%export_state(one)
-    call continued%export_state(two)
+    call run%export_state(one, pace)
+    call continued%export_state(two, pace)
     same = .not. comm%any_of(any(abs(one - two) > o))
     if (comm%is_root()) call expect(same .and. converged, 'a continued run is the same to the last bit')
     call run%destroy()

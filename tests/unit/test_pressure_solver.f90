@@ -7,10 +7,17 @@ program test_pressure_solver
   use halo, only: halo_t, new_halo
   use kinds, only: wp
   use outcome, only: outcome_t
-  use pressure_solver, only: pressure_solver_t
+  use pressure_solver, only: pressure_solver_t, pace_size
   implicit none
 
+  type :: problem_t
+    type(boxes_t) :: boxes
+    type(halo_t) :: halo
+    real(wp), allocatable :: c(:,:,:,:), b(:,:,:)
+  end type problem_t
+
   type(communicator_t) :: comm
+  type(free_levels_t) :: no_levels
 
   call start_ranks(comm)
   call solve_one('even, outflow above', [16, 120, 4], [.false., .false., .false.], 2, 25)
@@ -23,6 +30,7 @@ program test_pressure_solver
   call solve_one('closed, all periodic', [16, 24, 8], [.true., .true., .true.], 0, 25)
   call solve_one('closed, periodic, odd', [9, 15, 1], [.true., .true., .true.], 0, 50)
   call solve_one('two cells', [2, 8, 2], [.true., .false., .false.], 2, 25)
+  call solve_many()
   if (comm%is_root()) call finish()
   call stop_ranks()
 
@@ -62,6 +70,108 @@ contains
     call expect(left <= 2*reduction*given, name//': solved in '//trim(count)//' iterations')
     call expect(iterations <= most, name//': few enough iterations')
   end subroutine solve_one
+
+  !> Matrices that drift apart by powers of their coefficients, then one that is far off: multigrid is kept, and set up anew once it
+  !> is worn; a solver that takes over its state goes on bit for bit.
+  subroutine solve_many()
+    type(problem_t) :: problem
+    type(outcome_t) :: outcome
+    type(pressure_solver_t) :: kept, heir
+    real(wp), allocatable :: p(:,:,:), q(:,:,:), matrix(:,:,:,:)
+    real(wp) :: pace(pace_size)
+    integer :: step, iterations, of_fresh, extra, at_worst
+    logical :: same
+
+    call new_boxes(comm, [16, 24, 8], [.false., .false., .false.], problem%boxes, outcome)
+    problem%halo = new_halo(problem%boxes)
+    call make_problem(problem%boxes, problem%halo, 2, problem%c, problem%b, p)
+    allocate (q, source=p)
+    associate (n => problem%boxes%n)
+      allocate (matrix(n(1), n(2), n(3), 4))
+    end associate
+    call kept%create(problem%boxes, no_levels)
+    call heir%create(problem%boxes, no_levels)
+    extra = 0
+    same = .true.
+    do step = 0, 9
+      call solve_power(problem, 1 + 0.02_wp*step, kept, p, iterations)
+      call solve_afresh(problem, 1 + 0.02_wp*step, q, of_fresh)
+      extra = extra + iterations - of_fresh
+      same = same .and. .not. any(abs(p - q) > 0.0_wp)
+    end do
+    call expect_all(extra <= 10, 'multigrid of matrices that hardly change costs few iterations')
+    call expect_all(.not. same, 'it was kept')
+    call kept%export_state(matrix, pace)
+    call heir%import_state(matrix, pace)
+    call solve_power(problem, 1.2_wp, kept, p, iterations)
+    call solve_power(problem, 1.2_wp, heir, q, of_fresh)
+    call expect_all(iterations == of_fresh .and. .not. any(abs(p - q) > 0.0_wp), 'what takes over its state goes on bit for bit')
+    call kept%remember()
+    do step = 1, 3
+      call solve_power(problem, 3.0_wp, kept, p, iterations)
+    end do
+    call kept%recall()
+    call solve_power(problem, 1.22_wp, kept, p, iterations)
+    call solve_power(problem, 1.22_wp, heir, q, of_fresh)
+    call expect_all(iterations == of_fresh .and. .not. any(abs(p - q) > 0.0_wp), 'as does what is taken back')
+    at_worst = 0
+    do step = 1, 3
+      call solve_power(problem, 3.0_wp, kept, p, iterations)
+      call solve_afresh(problem, 3.0_wp, q, of_fresh)
+      at_worst = max(at_worst, iterations - of_fresh)
+    end do
+    call expect_all(at_worst > 10, 'that of a matrix far off costs many')
+    call expect_all(iterations == of_fresh .and. .not. any(abs(p - q) > 0.0_wp), 'once: then it is set up anew')
+    call kept%destroy()
+    call heir%destroy()
+
+  end subroutine solve_many
+
+  !> By a solver that has seen no other matrix.
+  subroutine solve_afresh(problem, power, p, iterations)
+    type(problem_t), intent(inout) :: problem
+    real(wp), intent(in) :: power
+    real(wp), intent(inout), contiguous :: p(-1:, -1:, -1:)
+    integer, intent(out) :: iterations
+
+    type(pressure_solver_t) :: fresh
+
+    call fresh%create(problem%boxes, no_levels)
+    call solve_power(problem, power, fresh, p, iterations)
+    call fresh%destroy()
+  end subroutine solve_afresh
+
+  !> For coefficients to some power; the residual must have fallen.
+  subroutine solve_power(problem, power, solver, p, iterations)
+    type(problem_t), intent(inout) :: problem
+    real(wp), intent(in) :: power
+    type(pressure_solver_t), intent(inout) :: solver
+    real(wp), intent(inout), contiguous :: p(-1:, -1:, -1:)
+    integer, intent(out) :: iterations
+
+    real(wp), parameter :: reduction = 1.0e-6_wp
+    real(wp), allocatable :: c(:,:,:,:), b(:,:,:)
+    real(wp) :: left
+
+    allocate (c(-1:ubound(p, 1), -1:ubound(p, 2), -1:ubound(p, 3), 3), source=0.0_wp)
+    where (problem%c > 0.0_wp) c = problem%c**power
+    b = problem%b
+    call solver%set_matrix(c)
+    call solver%solve(b, reduction, p, iterations)
+    call problem%halo%exchange(p)
+    left = sqrt(comm%sum(sum(residual(problem%boxes%n, c, problem%b, p)**2)))
+    call expect_all(left <= 2*reduction*sqrt(comm%sum(sum(problem%b**2))), 'solved, whatever multigrid was set up for')
+  end subroutine solve_power
+
+  subroutine expect_all(right, name)
+    logical, intent(in) :: right
+    character(len=*), intent(in) :: name
+
+    logical :: wrong
+
+    wrong = comm%any_of(.not. right)
+    if (comm%is_root()) call expect(.not. wrong, name)
+  end subroutine expect_all
 
   !> Coefficients and right-hand side made from the cell's place in the whole grid, the same on any ranks.
   subroutine make_problem(boxes, halo, outflow, c, b, p)
