@@ -88,7 +88,7 @@ contains
     type(graph_t) :: graph
 
     integer :: v, a, side, m, there, place(3)
-    real(wp) :: all(size(weight, 2)), mean
+    real(wp) :: whole(size(weight, 2)), mean
 
     associate (kinds => size(weight, 1), vertices => size(weight, 2))
       allocate (graph%first(vertices + 1), graph%weight(kinds, vertices))
@@ -97,11 +97,11 @@ contains
         graph%weight(a, :) = int(max(1.0_wp, anint(weight(a, :)*max(resolution, 100.0_wp*vertices)/sum(weight(a, :)))), idx_t)
       end do
     end associate
-    all = sum(weight, 1)
-    mean = sum(all**2)/sum(all)
+    whole = sum(weight, 1)  ! of all kinds
+    mean = sum(whole**2)/sum(whole)
     graph%first(1) = 0
     m = 0
-    do v = 1, size(all)
+    do v = 1, size(whole)
       place = [modulo(v - 1, n(1)), modulo((v - 1)/n(1), n(2)), (v - 1)/(n(1)*n(2))]
       do a = 1, 3
         do side = -1, 1, 2
@@ -110,7 +110,7 @@ contains
           m = m + 1
           graph%neighbour(m) = int(there, idx_t)
           graph%edge(m) = int(max(1.0_wp, min(edge_most, edge_unit*area(a)/maxval(area) &
-                                              *(0.1_wp + 0.5_wp*(all(v) + all(there + 1))/mean))), idx_t)
+                                              *(0.1_wp + 0.5_wp*(whole(v) + whole(there + 1))/mean))), idx_t)
         end do
       end do
       graph%first(v + 1) = int(m, idx_t)
