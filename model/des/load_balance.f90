@@ -9,7 +9,7 @@ module load_balance
   private
   public :: rebalance, lists_per_look
 
-  real(wp), parameter :: tolerated_imbalance = 1.03_wp  !< before tiles change hands
+  real(wp), parameter :: tolerated_imbalance = 1.03_wp  !< time over that of even work, before tiles change hands
   integer(i8), parameter :: lists_per_look = 4          !< lists made from one look to the next, which is no small work
 
 contains

@@ -172,13 +172,13 @@ contains
     force = self%boxes%comm%sum(force)
   end function drag_total
 
-  !> Everything a run needs to go on from here: upper face velocities (1:3), pressure (4), old void fraction (5)
+  !> Everything a run needs to go on from here: upper face velocities (1:3), pressure (4), old void fraction (5),
   !> the velocities on the low surface of the domain (6:8) and the matrix of multigrid (9:12). Independent of how the grid is cut
   !> into boxes.
   subroutine export_state(self, fields, pace)
     class(gas_t), intent(in) :: self
     real(wp), intent(out), contiguous :: fields(:,:,:,:)  !< (saved_fields, cells 1..n)
-    real(wp), intent(out) :: pace(pace_size)              !< of multigrid
+    real(wp), intent(out) :: pace(pace_size)              !< of multigrid, see pressure_solver
 
     integer :: a
     real(wp), allocatable :: matrix(:,:,:,:)

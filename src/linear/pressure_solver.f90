@@ -45,8 +45,8 @@ module pressure_solver
     real(wp) :: pace = 0.0_wp                   !< iterations per decade of the residual while it was the same; 0 if not known
     real(wp) :: iterations = 0.0_wp, decades = 0.0_wp  !< since then, or, while there is no pace, up to now
     real(wp), allocatable :: basis(:,:,:,:)     !< (cells, 4) matrix of multigrid: diagonal, upper neighbours; exists once set up
-    real(wp) :: pace_before(pace_size) = 0.0_wp    !< the same when `remember` was called
-    real(wp), allocatable :: basis_before(:,:,:,:)
+    real(wp) :: pace_before(pace_size) = 0.0_wp    !< pace, iterations, decades when `remember` was called
+    real(wp), allocatable :: basis_before(:,:,:,:)  !< basis then, if replaced
     logical :: replaced = .false.               !< whether multigrid has been set up since then
     real(wp), allocatable :: residual(:,:,:)    !< (cells) b less matrix times solution
     real(wp), allocatable :: smoothed(:,:,:)    !< (cells) it after a cycle of multigrid
@@ -152,7 +152,8 @@ contains
     self%decades = 0.0_wp
   end subroutine set_up
 
-  !> Whether multigrid has cost more than setting it up anew would.
+  !> Whether multigrid has cost more than setting it up anew would. While it has no pace, for it has not come on even with its own
+  !> matrix, all its iterations count.
   pure function is_worn(self)
     class(pressure_solver_t), intent(in) :: self
     logical :: is_worn
@@ -303,8 +304,8 @@ contains
   !> The matrix of multigrid and how it has done; no matrix is all 0.
   subroutine export_state(self, matrix, pace)
     class(pressure_solver_t), intent(in) :: self
-    real(wp), intent(out) :: matrix(:,:,:,:)  !< (cells, 4)
-    real(wp), intent(out) :: pace(pace_size)
+    real(wp), intent(out) :: matrix(:,:,:,:)  !< (cells, 4) diagonal and coefficients of the upper neighbours
+    real(wp), intent(out) :: pace(pace_size)  !< pace, iterations, decades
 
     matrix = 0.0_wp
     if (allocated(self%basis)) matrix = self%basis

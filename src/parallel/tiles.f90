@@ -8,7 +8,7 @@ module tiles
   use kinds, only: wp
   use metis, only: metis_fits
   use outcome, only: exit_environment
-  use partition, only: partition_block, longest_time, relabel
+  use partition, only: partition_block, loads, longest_time, relabel
   implicit none
   private
   public :: tiles_t, new_tiles, most_images
@@ -118,25 +118,16 @@ contains
     real(wp), intent(in) :: weights(:,:)  !< (kinds, total) work in each tile, as far as this rank knows, see partition [any unit]
     logical, intent(out) :: changed       !< whether any tile has another owner now
 
-    integer :: owner(self%total)
+    real(wp) :: work(size(weights, 1), self%total)
+    integer :: owner(self%total), k
 
-    owner = dealt_out(self, all_work(self, weights), self%owner)
+    do k = 1, size(work, 1)
+      work(k, :) = self%comm%sum(weights(k, :))
+    end do
+    owner = dealt_out(self, work, self%owner)
     changed = any(owner /= self%owner)
     if (changed) call self%set_owners(owner)
   end subroutine repartition
-
-  !> The work in each tile, of all ranks.
-  function all_work(self, weights) result(work)
-    class(tiles_t), intent(in) :: self
-    real(wp), intent(in) :: weights(:,:)
-    real(wp) :: work(size(weights, 1), size(weights, 2))
-
-    integer :: k
-
-    do k = 1, size(weights, 1)
-      work(k, :) = self%comm%sum(weights(k, :))
-    end do
-  end function all_work
 
   !> New owners, from the root, for work known to all. They keep as much of it in place as they can.
   function dealt_out(self, work, old) result(owner)
@@ -165,11 +156,12 @@ contains
     real(wp), intent(in) :: weights(:,:)  !< (kinds, total) any unit
     real(wp) :: imbalance
 
-    real(wp) :: work(size(weights, 1), size(weights, 2))
+    real(wp) :: load(size(weights, 1), self%comm%size)
 
-    work = all_work(self, weights)
+    load = loads(self%comm%size, weights, self%owner)
+    load = reshape(self%comm%sum([load]), shape(load))
     imbalance = 1.0_wp
-    if (any(work > 0.0_wp)) imbalance = longest_time(self%comm%size, work, self%owner)*self%comm%size/sum(work)
+    if (any(load > 0.0_wp)) imbalance = sum(maxval(load, 2))*self%comm%size/sum(load)
   end function imbalance
 
   !> Place of a tile in each direction, from 0.

@@ -1,9 +1,10 @@
 !> What every unit test program is made of: named expectations, one line each on the screen.
 module check
   use kinds, only: wp
+  use mpi_f08, only: MPI_COMM_WORLD, MPI_LOGICAL, MPI_LAND, MPI_Allreduce, MPI_Comm_rank
   implicit none
   private
-  public :: expect, expect_close, finish
+  public :: expect, expect_all, expect_close, finish
 
 contains
 
@@ -14,6 +15,19 @@ contains
 
     print '(2a)', trim(merge('ok  ', 'FAIL', ok))//' ', name
   end subroutine expect
+
+  !> What must hold on every rank, told once.
+  subroutine expect_all(ok, name)
+    logical, intent(in) :: ok
+    character(len=*), intent(in) :: name
+
+    logical :: everywhere
+    integer :: rank
+
+    call MPI_Allreduce(ok, everywhere, 1, MPI_LOGICAL, MPI_LAND, MPI_COMM_WORLD)
+    call MPI_Comm_rank(MPI_COMM_WORLD, rank)
+    if (rank == 0) call expect(everywhere, name)
+  end subroutine expect_all
 
   !> Whether `value` is within `tolerance` of `expected`, relative unless `expected` is 0.
   subroutine expect_close(value, expected, tolerance, name)

@@ -1,6 +1,6 @@
 !> Many parcels: the list misses no pair, momentum is kept, borders make no difference, a restart none either.
 program test_des_many
-  use check, only: expect, expect_close, finish
+  use check, only: expect_all, finish
   use communicator, only: communicator_t, start_ranks, stop_ranks
   use contact_settings, only: contact_settings_t
   use des_scenes, only: scene, put, cloud, place_of, run
@@ -50,17 +50,6 @@ contains
     contact%minimum_separation = 1.0e-7_wp
     contact%maximum_separation = 2.0e-4_wp
   end function material
-
-  !> What must hold on every rank, told once.
-  subroutine expect_all(right, name)
-    logical, intent(in) :: right
-    character(len=*), intent(in) :: name
-
-    logical :: wrong
-
-    wrong = comm%any_of(.not. right)
-    if (comm%is_root()) call expect(.not. wrong, name)
-  end subroutine expect_all
 
   !> A cloud of n parcels that falls into a corner of its chamber.
   subroutine falling(ranks, n, friction, periodic, solids, rolling)

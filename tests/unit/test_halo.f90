@@ -1,7 +1,7 @@
 !> Halos hold the cells of the neighbours, edges and corners included, and nothing else is touched.
 program test_halo
   use boxes, only: boxes_t, new_boxes
-  use check, only: expect, expect_close, finish
+  use check, only: expect, expect_all, expect_close, finish
   use communicator, only: communicator_t, start_ranks, stop_ranks
   use halo, only: halo_t, new_halo
   use kinds, only: wp
@@ -132,15 +132,5 @@ contains
 
     if (comm%is_root()) call expect_close(value, expected, 1e-13_wp, name)
   end subroutine close_to
-
-  subroutine expect_all(ok, name)
-    logical, intent(in) :: ok
-    character(len=*), intent(in) :: name
-
-    logical :: everywhere
-
-    everywhere = .not. comm%any_of(.not. ok)
-    if (comm%is_root()) call expect(everywhere, name)
-  end subroutine expect_all
 
 end program test_halo

@@ -1,7 +1,7 @@
 !> Many parcels of three materials, which differ in springs, friction, rolling and attraction: ranks and periodic faces make no
 !> difference, a restart none, the order of materials none.
 program test_materials_many
-  use check, only: expect, finish
+  use check, only: expect_all, finish
   use communicator, only: communicator_t, start_ranks, stop_ranks
   use contact_settings, only: contact_settings_t
   use des_scenes, only: scene, put, cloud, run
@@ -85,17 +85,6 @@ contains
     solids = scene(ranks, [0.01_wp, 0.0075_wp, 0.02_wp], -9.81_wp, contact, [.true., .false., .false.])
     call put(solids, x, v, diameter, density=density(powder), powder=powder)
   end subroutine falling
-
-  !> What must hold on every rank, told once.
-  subroutine expect_all(right, name)
-    logical, intent(in) :: right
-    character(len=*), intent(in) :: name
-
-    logical :: wrong
-
-    wrong = comm%any_of(.not. right)
-    if (comm%is_root()) call expect(.not. wrong, name)
-  end subroutine expect_all
 
   !> Positions, brought inside, and velocities of all parcels by id, on all ranks.
   subroutine gather(solids, every)

@@ -1,7 +1,7 @@
 !> Meshes that move: belts, pistons and drums against closed formulas; a drum with blades on any number of ranks, and resumed.
 program test_mesh_moving
   use chamber, only: n_faces
-  use check, only: expect, expect_close, finish
+  use check, only: expect, expect_all, expect_close, finish
   use communicator, only: communicator_t, start_ranks, stop_ranks
   use constants, only: pi
   use des_scenes, only: put, cloud, run
@@ -245,17 +245,6 @@ contains
     call cloud(200, [0.0055_wp, 0.0035_wp, 0.005_wp], 1.25e-3_wp, [7, 9], x, v, diameter)
     call put(solids, x, v, diameter)
   end subroutine fill
-
-  !> What must hold on every rank, told once.
-  subroutine expect_all(right, name)
-    logical, intent(in) :: right
-    character(len=*), intent(in) :: name
-
-    logical :: wrong
-
-    wrong = comm%any_of(.not. right)
-    if (comm%is_root()) call expect(.not. wrong, name)
-  end subroutine expect_all
 
   !> Position, velocity and spin of all parcels by id, on all ranks.
   subroutine gather(solids, n, every)

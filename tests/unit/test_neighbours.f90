@@ -1,6 +1,6 @@
 !> The list of pairs of wide size distributions is the one found by looking at all pairs.
 program test_neighbours
-  use check, only: expect, finish
+  use check, only: expect_all, finish
   use communicator, only: communicator_t, start_ranks, stop_ranks
   use contact_settings, only: contact_settings_t
   use des_scenes, only: scene, put
@@ -48,17 +48,6 @@ contains
     contact%stiffness = 200.0_wp
     contact%friction = 0.3_wp
   end function material
-
-  !> What must hold on every rank, told once.
-  subroutine expect_all(right, name)
-    logical, intent(in) :: right
-    character(len=*), intent(in) :: name
-
-    logical :: wrong
-
-    wrong = comm%any_of(.not. right)
-    if (comm%is_root()) call expect(.not. wrong, name)
-  end subroutine expect_all
 
   subroutine compare(ratio, periodic, apart, name)
     real(wp), intent(in) :: ratio

@@ -1,7 +1,7 @@
 !> The pressure solver against its own equation, on the grids that give multigrid trouble.
 program test_pressure_solver
   use boxes, only: boxes_t, new_boxes
-  use check, only: expect, expect_close, finish
+  use check, only: expect, expect_all, finish
   use communicator, only: communicator_t, start_ranks, stop_ranks
   use free_levels, only: free_levels_t, one_level
   use halo, only: halo_t, new_halo
@@ -124,7 +124,6 @@ contains
     call expect_all(iterations == of_fresh .and. .not. any(abs(p - q) > 0.0_wp), 'once: then it is set up anew')
     call kept%destroy()
     call heir%destroy()
-
   end subroutine solve_many
 
   !> By a solver that has seen no other matrix.
@@ -162,16 +161,6 @@ contains
     left = sqrt(comm%sum(sum(residual(problem%boxes%n, c, problem%b, p)**2)))
     call expect_all(left <= 2*reduction*sqrt(comm%sum(sum(problem%b**2))), 'solved, whatever multigrid was set up for')
   end subroutine solve_power
-
-  subroutine expect_all(right, name)
-    logical, intent(in) :: right
-    character(len=*), intent(in) :: name
-
-    logical :: wrong
-
-    wrong = comm%any_of(.not. right)
-    if (comm%is_root()) call expect(.not. wrong, name)
-  end subroutine expect_all
 
   !> Coefficients and right-hand side made from the cell's place in the whole grid, the same on any ranks.
   subroutine make_problem(boxes, halo, outflow, c, b, p)

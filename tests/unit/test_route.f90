@@ -1,6 +1,6 @@
 !> Items sent to random ranks arrive once, in order, and find their way back.
 program test_route
-  use check, only: expect, finish
+  use check, only: expect_all, finish
   use communicator, only: communicator_t, start_ranks, stop_ranks
   use kinds, only: wp, i8
   use route, only: route_t
@@ -140,15 +140,5 @@ contains
     end do
     call expect_all(right, 'of ghosts those that are watched follow, in all rows or all but every fourth')
   end subroutine watched
-
-  subroutine expect_all(ok, name)
-    logical, intent(in) :: ok
-    character(len=*), intent(in) :: name
-
-    logical :: everywhere
-
-    everywhere = .not. comm%any_of(.not. ok)
-    if (comm%is_root()) call expect(everywhere, name)
-  end subroutine expect_all
 
 end program test_route

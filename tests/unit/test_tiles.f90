@@ -1,6 +1,6 @@
 !> Tiles: who owns what, who must see what, and how evenly the work is dealt out.
 program test_tiles
-  use check, only: expect, expect_close, finish
+  use check, only: expect_all, expect_close, finish
   use communicator, only: communicator_t, start_ranks, stop_ranks
   use kinds, only: wp, i8
   use tiles, only: tiles_t, new_tiles, most_images
@@ -263,16 +263,6 @@ contains
     seed = modulo(seed*16807_i8, 2147483647_i8)
     random = real(seed, wp)/2147483647.0_wp
   end function random
-
-  subroutine expect_all(ok, name)
-    logical, intent(in) :: ok
-    character(len=*), intent(in) :: name
-
-    logical :: everywhere
-
-    everywhere = .not. comm%any_of(.not. ok)
-    if (comm%is_root()) call expect(everywhere, name)
-  end subroutine expect_all
 
   subroutine expect_close_root(value, expected, name)
     real(wp), intent(in) :: value, expected

@@ -1,7 +1,7 @@
 !> Walls whose surface moves, against closed formulas; a drum on any number of ranks, and resumed.
 program test_walls_moving
   use chamber, only: n_faces
-  use check, only: expect, expect_close, finish
+  use check, only: expect, expect_all, expect_close, finish
   use communicator, only: communicator_t, start_ranks, stop_ranks
   use des_scenes, only: put, cloud, run
   use kinds, only: wp
@@ -124,17 +124,6 @@ contains
     call cloud(200, [0.0045_wp, 0.0035_wp, 0.004_wp], 1.25e-3_wp, [8, 5], x, v, diameter)
     call put(solids, x, v, diameter)
   end subroutine fill
-
-  !> What must hold on every rank, told once.
-  subroutine expect_all(right, name)
-    logical, intent(in) :: right
-    character(len=*), intent(in) :: name
-
-    logical :: wrong
-
-    wrong = comm%any_of(.not. right)
-    if (comm%is_root()) call expect(.not. wrong, name)
-  end subroutine expect_all
 
   !> Position, velocity and spin of all parcels by id, on all ranks.
   subroutine gather(solids, n, every)
