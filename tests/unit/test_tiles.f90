@@ -243,7 +243,26 @@ contains
     call expect_close_root(tiles%imbalance(load), 1.0_wp, 'no load is balanced')
     load(1, tiles%mine) = (real(comm%rank, wp) + 1)/size(tiles%mine)
     call expect_close_root(tiles%imbalance(load), 2.0_wp*comm%size/(comm%size + 1), 'imbalance is the largest load over the mean')
+    call two_kinds(tiles)
   end subroutine few
+
+  !> The more a rank has of one kind of work, the less it has of the other: as much in all, and not balanced.
+  subroutine two_kinds(tiles)
+    type(tiles_t), intent(inout) :: tiles
+
+    real(wp) :: load(2, tiles%total)
+    logical :: changed
+
+    load = 0
+    load(1, tiles%mine) = (comm%rank + 1.0_wp)/size(tiles%mine)
+    load(2, tiles%mine) = real(comm%size - comm%rank, wp)/size(tiles%mine)
+    call expect_close_root(tiles%imbalance(load), 2.0_wp*comm%size/(comm%size + 1), 'imbalance is that of each kind of work')
+    if (comm%size /= 2) return  ! four ranks have a tile each
+    load = 0
+    load(1 + comm%rank, tiles%mine) = 1
+    call tiles%repartition(load, changed)
+    call expect_all(changed .and. abs(tiles%imbalance(load) - 1) < 0.01_wp, 'tiles change hands until each kind is even')
+  end subroutine two_kinds
 
   function same_everywhere(list) result(same)
     integer, intent(in) :: list(:)
