@@ -1,6 +1,8 @@
 !> A block of tiles dealt out to ranks: equal work for each, and little surface between them.
 !>
 !> Work is of several kinds, done one after the other: each is over when its busiest rank is ready, so each is to be shared evenly.
+!>
+!> Often most of the block is empty. So only the box around all work is cut; a tile beyond goes with the nearest one of the box.
 module partition
   use kinds, only: wp
   use metis, only: idx_t, graph_t, cut_recursively, cut_directly
@@ -10,6 +12,7 @@ module partition
 
   integer, parameter :: unevenness_of_halves = 5, unevenness = 30  !< permitted, in thousandths of the mean load
   integer, parameter :: few = 16                 !< parts up to which they are made by halving
+  integer, parameter :: fewest_tiles = 8         !< of a part in the box around all work; else it is the whole block
   real(wp), parameter :: empty = 0.01_wp         !< work of all empty tiles together, relative to that of the others
   real(wp), parameter :: resolution = 1e7_wp     !< the whole work of a kind in METIS's integers
   real(wp), parameter :: edge_unit = 100.0_wp    !< a face between tiles of mean work, in METIS's integers
@@ -28,15 +31,63 @@ contains
     integer, intent(out) :: part(:)   !< (tiles)
     logical, intent(out) :: ok
 
-    type(graph_t) :: graph
-    real(wp) :: weight(size(work, 1), size(part))
-    integer :: i
+    integer, allocatable :: within(:), cut(:)
+    integer :: i, low(3), extent(3)
 
     ok = .true.
     part = [(i, i=0, size(part) - 1)]
     if (parts >= size(part)) return
     part = 0
     if (parts == 1) return
+
+    call find_box(n, any(work > 0, 1), fewest_tiles*parts, low, extent)
+    allocate (within(product(extent)), cut(product(extent)))
+    do i = 1, size(within)
+      within(i) = 1 + vertex_at(n, low + place_of(extent, i - 1))
+    end do
+    call cut_block(extent, periodic .and. extent == n, area, work(:, within), parts, cut, ok)
+    if (.not. ok) return
+    do i = 1, size(part)
+      part(i) = cut(1 + vertex_at(extent, min(max(place_of(n, i - 1) - low, 0), extent - 1)))
+    end do
+  end subroutine partition_block
+
+  !> The box around all marked tiles, by its lowest place and how many tiles it is wide; or the whole block if that box has less than
+  !> `fewest` tiles.
+  pure subroutine find_box(n, marked, fewest, low, extent)
+    integer, intent(in) :: n(3)
+    logical, intent(in) :: marked(:)   !< (tiles)
+    integer, intent(in) :: fewest
+    integer, intent(out) :: low(3), extent(3)
+
+    integer :: high(3), v
+
+    low = n
+    high = -1
+    do v = 1, size(marked)
+      if (.not. marked(v)) cycle
+      low = min(low, place_of(n, v - 1))
+      high = max(high, place_of(n, v - 1))
+    end do
+    extent = high - low + 1
+    if (any(extent < 1) .or. product(max(extent, 0)) < fewest) then
+      low = 0
+      extent = n
+    end if
+  end subroutine find_box
+
+  !> The block that is cut, of more tiles than parts.
+  subroutine cut_block(n, periodic, area, work, parts, part, ok)
+    integer, intent(in) :: n(3)
+    logical, intent(in) :: periodic(3)
+    real(wp), intent(in) :: area(3), work(:,:)
+    integer, intent(in) :: parts
+    integer, intent(out) :: part(:)
+    logical, intent(out) :: ok
+
+    type(graph_t) :: graph
+    real(wp) :: weight(size(work, 1), size(part))
+    integer :: i
 
     do i = 1, size(work, 1)
       weight(i, :) = levelled(parts, with_floor(work(i, :)))
@@ -47,9 +98,8 @@ contains
     else
       call cut_directly(graph, parts, unevenness, part, ok)
     end if
-    if (.not. ok) return
-    call fill_empty(parts, sum(weight, 1), part)
-  end subroutine partition_block
+    if (ok) call fill_empty(parts, sum(weight, 1), part)
+  end subroutine cut_block
 
   !> The work of each tile, with a little for those that have none: they are still looked at, and they
   !> should go to the rank whose parcels will fly there.
@@ -102,7 +152,7 @@ contains
     graph%first(1) = 0
     m = 0
     do v = 1, size(whole)
-      place = [modulo(v - 1, n(1)), modulo((v - 1)/n(1), n(2)), (v - 1)/(n(1)*n(2))]
+      place = place_of(n, v - 1)
       do a = 1, 3
         do side = -1, 1, 2
           there = beside(n, periodic, place, a, side)
@@ -133,8 +183,24 @@ contains
       if (.not. periodic(a) .or. n(a) < 3) return
       at(a) = modulo(at(a), n(a))
     end if
-    vertex = at(1) + n(1)*(at(2) + n(2)*at(3))
+    vertex = vertex_at(n, at)
   end function beside
+
+  !> Place of a vertex of a block, all from 0.
+  pure function place_of(n, vertex) result(place)
+    integer, intent(in) :: n(3), vertex
+    integer :: place(3)
+
+    place = [modulo(vertex, n(1)), modulo(vertex/n(1), n(2)), vertex/(n(1)*n(2))]
+  end function place_of
+
+  !> The vertex at a place of a block, all from 0.
+  pure function vertex_at(n, place) result(vertex)
+    integer, intent(in) :: n(3), place(3)
+    integer :: vertex
+
+    vertex = place(1) + n(1)*(place(2) + n(2)*place(3))
+  end function vertex_at
 
   !> Work of the busiest part, which may be another for each kind.
   pure function longest_time(parts, work, part) result(longest)

@@ -20,6 +20,7 @@ program test_tiles
   call ghosts([1, 1, 1], [.true., .true., .true.], 'a single tile')
   call balance([24, 6, 40], 'a bed')
   call balance([12, 1, 60], 'a thin bed')
+  call beyond()
   call few()
   if (comm%is_root()) call finish()
   call stop_ranks()
@@ -221,6 +222,30 @@ contains
              count(owner(:, 2:, :) /= owner(:, :tiles%n(2) - 1, :)) + &
              count(owner(:, :, 2:) /= owner(:, :, :tiles%n(3) - 1))
   end function border
+
+  !> Tiles around all work go with the nearest of those that have some.
+  subroutine beyond()
+    integer, parameter :: n(3) = [12, 10, 9], low(3) = [3, 0, 2], high(3) = [8, 7, 5]
+    type(tiles_t) :: tiles
+    real(wp), allocatable :: work(:,:)
+    logical :: changed, with_nearest
+    integer :: t, place(3)
+
+    tiles = new_tiles(comm, [0.0_wp, 0.0_wp, 0.0_wp], n*0.1_wp, [.false., .false., .true.], spread(0.0999_wp, 1, 3))
+    allocate (work(1, tiles%total), source=0.0_wp)
+    do t = 1, tiles%total
+      place = tiles%place_of(t)
+      if (all(place >= low .and. place <= high)) work(1, t) = merge(3.0_wp, 1.0_wp, place(1) < 5)
+    end do
+    call tiles%repartition(work/comm%size, changed)
+    with_nearest = .true.
+    do t = 1, tiles%total
+      place = min(max(tiles%place_of(t), low), high)
+      with_nearest = with_nearest .and. tiles%owner(t) == tiles%owner(1 + place(1) + n(1)*(place(2) + n(2)*place(3)))
+    end do
+    call expect_all(with_nearest, 'empty tiles go with the nearest that has work')
+    call expect_all(tiles%imbalance(work/comm%size) < 1.05_wp, 'which is shared evenly')
+  end subroutine beyond
 
   !> As many tiles as ranks, fewer, and one heavy tile: nobody is left out as long as there are enough.
   subroutine few()
