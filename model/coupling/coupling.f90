@@ -78,6 +78,7 @@ module coupling
     real(wp), allocatable :: cell_volume(:,:,:)  !< (n1,n2,n3) of the cells of my box, of closed ones all of it [m3]
     type(open_weights_t), allocatable :: weights  !< exist if walls block the gas
     real(wp), allocatable :: field(:,:)          !< (lanes,window cells)
+    logical :: sampled = .false.                 !< whether it is what parcels were driven by last
     real(wp), allocatable :: source(:,:)         !< (source_lanes,window cells)
     real(wp), allocatable :: volume(:)           !< (window cells) [m3]
     integer :: n = 0                             !< parcels whose places are known
@@ -163,6 +164,7 @@ contains
     allocate (self%field(lanes, self%window%cells()), source=0.0_wp)
     allocate (self%source(source_lanes, self%window%cells()), source=0.0_wp)
     allocate (self%volume(self%window%cells()), source=0.0_wp)
+    self%sampled = .false.
     self%n = 0
     if (allocated(self%weights)) call self%weights%see(self%spreading, self%transfer, self%window)
   end subroutine follow_tiles
@@ -237,16 +239,21 @@ contains
 
   !> Give the gas the drag coefficient and the drag source of a step of length dt [s].
   !> The parcels are where map_void_fraction saw them; a step that is tried again shorter is prepared again.
-  subroutine prepare(self, parcels, gas, dt)
+  subroutine prepare(self, parcels, gas, dt, as_driven)
     class(coupling_t), intent(inout) :: self
     type(parcels_t), intent(in) :: parcels
     type(gas_t), intent(inout) :: gas
     real(wp), intent(in) :: dt
+    logical, intent(in) :: as_driven  !< whether the gas is what it was when `drive` saw it last, but for the void fraction
 
     integer :: first, n(3), a
 
     if (parcels%n /= self%n) error stop 'coupling: prepare without map_void_fraction'
-    call sample_gas(self, gas)
+    if (as_driven .and. self%sampled) then
+      call sample_void_fraction(self, gas)
+    else
+      call sample_gas(self, gas)
+    end if
     self%source = 0.0_wp
     do first = 1, self%n, block
       call respond(self, parcels, dt, first, min(self%n - first + 1, block))
@@ -280,6 +287,23 @@ contains
     if (allocated(self%spreading)) call self%spreading%take(lanes, self%box_field)
     call self%transfer%gather(lanes, self%box_field, self%field)
   end subroutine sample_gas
+
+  !> The same of the void fraction alone.
+  subroutine sample_void_fraction(self, gas)
+    class(coupling_t), intent(inout) :: self
+    type(gas_t), intent(in) :: gas
+
+    real(wp) :: eps(1, self%boxes%n(1), self%boxes%n(2), self%boxes%n(3))
+
+    associate (n => self%boxes%n)
+      eps(1, :, :, :) = gas%eps(1:n(1), 1:n(2), 1:n(3))
+    end associate
+    if (allocated(self%weights)) call self%weights%narrow(eps)
+    if (allocated(self%spreading)) call self%spreading%take(1, eps)
+    self%volume = self%field(eps_lane, :)
+    call self%transfer%gather(1, eps, self%volume)
+    self%field(eps_lane, :) = self%volume
+  end subroutine sample_void_fraction
 
   !> v_hat and beta_eff of a block of parcels, and their share of the drag on the cells.
   subroutine respond(self, parcels, dt, first, n)
@@ -387,6 +411,7 @@ contains
     real(wp) :: sums(5)
 
     call sample_gas(self, gas)
+    self%sampled = .true.
     sums = 0.0_wp
     do first = 1, self%n, block
       call drive_block(self, parcels, dt, first, min(self%n - first + 1, block), sums)
