@@ -52,8 +52,8 @@ contains
     end do
   end subroutine partition_block
 
-  !> The box around all marked tiles, by its lowest place and how many tiles it is wide; or the whole block if that box has less than
-  !> `fewest` tiles.
+  !> The box around all marked tiles, by its lowest place and how many tiles it is wide; the whole block if that box has less
+  !> than `fewest` tiles.
   pure subroutine find_box(n, marked, fewest, low, extent)
     integer, intent(in) :: n(3)
     logical, intent(in) :: marked(:)   !< (tiles)
@@ -70,7 +70,7 @@ contains
       high = max(high, place_of(n, v - 1))
     end do
     extent = high - low + 1
-    if (any(extent < 1) .or. product(max(extent, 0)) < fewest) then
+    if (product(max(extent, 0)) < fewest) then
       low = 0
       extent = n
     end if
