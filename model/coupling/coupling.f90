@@ -21,6 +21,7 @@ module coupling
   use drag_response, only: drag_t, particles_t, new_drag, block
   use gas, only: gas_t
   use gas_settings, only: gas_settings_t
+  use gas_view, only: gas_view_t, eps_lane, velocity_lane, gradient_lane, density_lane
   use kinds, only: wp
   use local_sizes, only: local_sizes_t
   use mapping, only: locate, interpolate, deposit, deposit_sources, lanes, source_lanes, mapping_variance
@@ -38,8 +39,6 @@ module coupling
 
   integer, parameter :: duration_row = before_row + 3  !< of parcels%coupled: length of the last gas step, 0 if none [s]
 
-  ! Components of the field that parcels read.
-  integer, parameter :: eps_lane = 1, velocity_lane = 2, gradient_lane = 5, density_lane = 8
   ! Components of the field that parcels add to: 1:3 beta_eff v_hat, 4 beta_eff.
   integer, parameter :: coefficient_lane = 4
 
@@ -71,14 +70,11 @@ module coupling
     logical :: cell_centred                 !< whether a parcel touches its cell only
     type(spreading_t), allocatable :: spreading  !< over more cells; exists with a width
     type(local_sizes_t), allocatable, public :: sizes  !< of the particles around each; exists with polydispersity
-    real(wp), allocatable :: box_field(:,:,:,:)  !< (lanes,n1,n2,n3) what parcels read
-    real(wp), allocatable :: box_vector(:,:,:,:)  !< (3,n1,n2,n3)
+    type(gas_view_t) :: view                !< what parcels read
     real(wp), allocatable :: box_source(:,:,:,:)  !< (source_lanes,n1,n2,n3) what parcels add to
     real(wp), allocatable :: box_volume(:,:,:)   !< (n1,n2,n3) solids [m3]
     real(wp), allocatable :: cell_volume(:,:,:)  !< (n1,n2,n3) of the cells of my box, of closed ones all of it [m3]
     type(open_weights_t), allocatable :: weights  !< exist if walls block the gas
-    real(wp), allocatable :: field(:,:)          !< (lanes,window cells)
-    logical :: sampled = .false.                 !< whether it is what parcels were driven by last
     real(wp), allocatable :: source(:,:)         !< (source_lanes,window cells)
     real(wp), allocatable :: volume(:)           !< (window cells) [m3]
     integer :: n = 0                             !< parcels whose places are known
@@ -111,8 +107,7 @@ contains
     self%drag_law = new_drag(settings, gas_settings%density, gas_settings%viscosity, gas_settings%density_law == 'ideal')
     self%gravity = gravity
     associate (n => boxes%n)
-      allocate (self%box_field(lanes, n(1), n(2), n(3)), source=0.0_wp)
-      allocate (self%box_vector(3, n(1), n(2), n(3)), source=0.0_wp)
+      call self%view%create(n)
       allocate (self%box_source(source_lanes, n(1), n(2), n(3)), source=0.0_wp)
       allocate (self%box_volume(n(1), n(2), n(3)), source=0.0_wp)
       allocate (self%cell_volume(n(1), n(2), n(3)), source=mesh%volumes(boxes%lo, boxes%hi))
@@ -160,11 +155,10 @@ contains
     end do
     self%window = new_window(self%mesh%n, self%mesh%periodic, corners)
     call new_transfer(self%boxes, self%window, lanes, self%transfer)
-    if (allocated(self%field)) deallocate (self%field, self%source, self%volume)
-    allocate (self%field(lanes, self%window%cells()), source=0.0_wp)
+    call self%view%follow(self%window%cells())
+    if (allocated(self%source)) deallocate (self%source, self%volume)
     allocate (self%source(source_lanes, self%window%cells()), source=0.0_wp)
     allocate (self%volume(self%window%cells()), source=0.0_wp)
-    self%sampled = .false.
     self%n = 0
     if (allocated(self%weights)) call self%weights%see(self%spreading, self%transfer, self%window)
   end subroutine follow_tiles
@@ -239,20 +233,21 @@ contains
 
   !> Give the gas the drag coefficient and the drag source of a step of length dt [s].
   !> The parcels are where map_void_fraction saw them; a step that is tried again shorter is prepared again.
-  subroutine prepare(self, parcels, gas, dt, as_driven)
+  subroutine prepare(self, parcels, gas, dt, as_seen)
     class(coupling_t), intent(inout) :: self
     type(parcels_t), intent(in) :: parcels
     type(gas_t), intent(inout) :: gas
     real(wp), intent(in) :: dt
-    logical, intent(in) :: as_driven  !< whether the gas is what it was when `drive` saw it last, but for the void fraction
+    logical, intent(in) :: as_seen    !< whether the gas is what it was when last looked at, here or to drive, but for its void
+                                      !< fraction
 
     integer :: first, n(3), a
 
     if (parcels%n /= self%n) error stop 'coupling: prepare without map_void_fraction'
-    if (as_driven .and. self%sampled) then
-      call sample_void_fraction(self, gas)
+    if (as_seen .and. self%view%complete) then
+      call self%view%see_void_fraction(gas, self%weights, self%spreading, self%transfer)
     else
-      call sample_gas(self, gas)
+      call self%view%see(gas, self%weights, self%spreading, self%transfer)
     end if
     self%source = 0.0_wp
     do first = 1, self%n, block
@@ -268,42 +263,6 @@ contains
       gas%drag_source(a, 1:n(1), 1:n(2), 1:n(3)) = self%box_source(a, :, :, :)
     end do
   end subroutine prepare
-
-  !> Bring what parcels read of the gas, as it now is, to the ranks of the parcels.
-  subroutine sample_gas(self, gas)
-    class(coupling_t), intent(inout) :: self
-    type(gas_t), intent(in) :: gas
-
-    integer :: n(3)
-
-    n = self%boxes%n
-    self%box_field(eps_lane, :, :, :) = gas%eps(1:n(1), 1:n(2), 1:n(3))
-    call gas%cell_velocity(self%box_vector)
-    self%box_field(velocity_lane:velocity_lane + 2, :, :, :) = self%box_vector
-    call gas%cell_pressure_gradient(self%box_vector)
-    self%box_field(gradient_lane:gradient_lane + 2, :, :, :) = self%box_vector
-    if (allocated(gas%ideal)) self%box_field(density_lane, :, :, :) = gas%ideal%density(1:n(1), 1:n(2), 1:n(3))
-    if (allocated(self%weights)) call self%weights%narrow(self%box_field)
-    if (allocated(self%spreading)) call self%spreading%take(lanes, self%box_field)
-    call self%transfer%gather(lanes, self%box_field, self%field)
-  end subroutine sample_gas
-
-  !> The same of the void fraction alone.
-  subroutine sample_void_fraction(self, gas)
-    class(coupling_t), intent(inout) :: self
-    type(gas_t), intent(in) :: gas
-
-    real(wp) :: eps(1, self%boxes%n(1), self%boxes%n(2), self%boxes%n(3))
-
-    associate (n => self%boxes%n)
-      eps(1, :, :, :) = gas%eps(1:n(1), 1:n(2), 1:n(3))
-    end associate
-    if (allocated(self%weights)) call self%weights%narrow(eps)
-    if (allocated(self%spreading)) call self%spreading%take(1, eps)
-    self%volume = self%field(eps_lane, :)
-    call self%transfer%gather(1, eps, self%volume)
-    self%field(eps_lane, :) = self%volume
-  end subroutine sample_void_fraction
 
   !> v_hat and beta_eff of a block of parcels, and their share of the drag on the cells.
   subroutine respond(self, parcels, dt, first, n)
@@ -351,7 +310,7 @@ contains
 
     integer :: i
 
-    call interpolate(self%window, self%corner(first:first + n - 1), self%fraction(:, first:first + n - 1), self%field, &
+    call interpolate(self%window, self%corner(first:first + n - 1), self%fraction(:, first:first + n - 1), self%view%field, &
                      value(:, :n))
     if (.not. allocated(self%weights)) return
     do i = 1, n
@@ -410,8 +369,7 @@ contains
     integer :: first
     real(wp) :: sums(5)
 
-    call sample_gas(self, gas)
-    self%sampled = .true.
+    call self%view%see(gas, self%weights, self%spreading, self%transfer)
     sums = 0.0_wp
     do first = 1, self%n, block
       call drive_block(self, parcels, dt, first, min(self%n - first + 1, block), sums)

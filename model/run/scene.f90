@@ -263,7 +263,7 @@ contains
         gas%eps(1:n(1), 1:n(2), 1:n(3)) = (1 - share)*gas%eps_old(1:n(1), 1:n(2), 1:n(3)) + share*self%mapped
       end if
     end associate
-    call self%coupling%prepare(self%solids%parcels, self%gas, self%report%dt, as_driven=.true.)
+    call self%coupling%prepare(self%solids%parcels, self%gas, self%report%dt, as_seen=.true.)
     call self%watch%leave()
   end subroutine prepare
 

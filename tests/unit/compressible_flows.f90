@@ -349,7 +349,7 @@ contains
     call bed%gas%accept()
     ok = .true.
     do step = 1, 12
-      call bed%coupling%prepare(bed%parcels, bed%gas, 0.1_wp*step, as_driven=.false.)
+      call bed%coupling%prepare(bed%parcels, bed%gas, 0.1_wp*step, as_seen=.false.)
       call bed%gas%advance(0.1_wp*step, converged)
       call bed%gas%accept()
       ok = ok .and. converged

@@ -150,7 +150,7 @@ contains
     real(wp), intent(in) :: dt  !< [s]
 
     call scene%coupling%map_void_fraction(scene%parcels, scene%gas)
-    call scene%coupling%prepare(scene%parcels, scene%gas, dt, as_driven=.false.)
+    call scene%coupling%prepare(scene%parcels, scene%gas, dt, as_seen=.false.)
     call scene%coupling%drive(scene%parcels, scene%gas, dt)
     associate (parcels => scene%parcels)
       if (parcels%n > 0) parcels%state(velocity_row:velocity_row + 2, :parcels%n) = &

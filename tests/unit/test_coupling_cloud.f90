@@ -60,7 +60,7 @@ contains
     call add_cloud(cloud, scene)
     call stir(scene)
     call scene%coupling%map_void_fraction(scene%parcels, scene%gas)
-    call scene%coupling%prepare(scene%parcels, scene%gas, dt, as_driven=.false.)
+    call scene%coupling%prepare(scene%parcels, scene%gas, dt, as_seen=.false.)
     call direct_sum(scene, cloud, settings, expected, force)
     allocate (given, mold=expected)
     associate (m => scene%boxes%n)
@@ -319,7 +319,7 @@ contains
     associate (n => scene%boxes%n)
       seen = comm%sum(sum(1 - scene%gas%eps(1:n(1), 1:n(2), 1:n(3)))*product(scene%mesh%finest))
     end associate
-    call scene%coupling%prepare(scene%parcels, scene%gas, dt, as_driven=.false.)
+    call scene%coupling%prepare(scene%parcels, scene%gas, dt, as_seen=.false.)
     call scene%coupling%drive(scene%parcels, scene%gas, dt)
     if (.not. comm%is_root()) return
     associate (exchange => scene%coupling%exchange)

@@ -34,7 +34,7 @@ contains
     real(wp), intent(in) :: dt  !< [s]
     logical, intent(out) :: converged
 
-    call scene%coupling%prepare(scene%parcels, scene%gas, dt, as_driven=.true.)
+    call scene%coupling%prepare(scene%parcels, scene%gas, dt, as_seen=.true.)
     call scene%gas%advance(dt, converged)
     call scene%gas%accept()
     call scene%coupling%drive(scene%parcels, scene%gas, dt)
@@ -58,16 +58,16 @@ contains
       parcels%weight(:parcels%n) = 0.9_wp*parcels%weight(:parcels%n)
       coefficient = gas%drag
       call anew%coupling%map_void_fraction(parcels, gas)
-      call anew%coupling%prepare(parcels, gas, 1.0e-3_wp, as_driven=.true.)
+      call anew%coupling%prepare(parcels, gas, 1.0e-3_wp, as_seen=.true.)
       other = any(abs(gas%drag - coefficient) > 0.01_wp*coefficient)
       coefficient = gas%drag
       source = gas%drag_source
-      call anew%coupling%prepare(parcels, gas, 1.0e-3_wp, as_driven=.false.)
+      call anew%coupling%prepare(parcels, gas, 1.0e-3_wp, as_seen=.false.)
       alike = .not. (any(abs(gas%drag - coefficient) > 0.0_wp) .or. any(abs(gas%drag_source - source) > 0.0_wp))
       call anew%coupling%drive(parcels, gas, 1.0e-3_wp)
       call anew%coupling%follow_tiles(anew%tiles, 0.004_wp)  ! wider than before, so nothing is remembered
       call anew%coupling%map_void_fraction(parcels, gas)
-      call anew%coupling%prepare(parcels, gas, 1.0e-3_wp, as_driven=.true.)
+      call anew%coupling%prepare(parcels, gas, 1.0e-3_wp, as_seen=.true.)
       alike = alike .and. all(abs(gas%drag - coefficient) <= 0.1_wp*coefficient)
     end associate
     alike = comm%max(merge(0, 1, alike)) == 0

@@ -122,7 +122,7 @@ contains
 
     logical :: converged
 
-    call scene%coupling%prepare(scene%parcels, scene%gas, dt, as_driven=.false.)
+    call scene%coupling%prepare(scene%parcels, scene%gas, dt, as_seen=.false.)
     call scene%gas%advance(dt, converged)
     if (.not. converged) call expect(.false., 'a uniform bed: the gas converges')
     call scene%gas%accept()

@@ -125,7 +125,7 @@ contains
       scene%parcels%state(velocity_row:velocity_row + 2, 1) = [0.0_wp, -speed, 0.0_wp]
       call scene%coupling%map_void_fraction(scene%parcels, scene%gas)
       if (i == lbound(drop, 1)) call scene%gas%accept()
-      call scene%coupling%prepare(scene%parcels, scene%gas, dt, as_driven=.false.)
+      call scene%coupling%prepare(scene%parcels, scene%gas, dt, as_seen=.false.)
       call scene%gas%advance(dt, converged)
       if (.not. converged) error stop 'verify_spreading: the gas does not converge'
       call scene%gas%accept()
