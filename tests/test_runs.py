@@ -129,6 +129,15 @@ def test_eddies_restart(geldart, tmp_path):
     assert 1e-6 < viscosity[-1].max() < 1e-2
 
 
+def test_wide_kernel_restarts(geldart, tmp_path):
+    """With a kernel of given width as well."""
+    wide = ("coupling%width=0.006",)
+    run(geldart, "whole", until(0.01), *wide, ranks=2)
+    run(geldart, "parts", until(0.005), *wide, ranks=2)
+    run(geldart, "parts", until(0.01), *wide, restart="parts/restart.h5", ranks=2)
+    same_results(tmp_path / "whole", tmp_path / "parts")
+
+
 def test_driven_gas_restarts(geldart, tmp_path):
     """So does the pressure drop that keeps a flow, which then carries the suspension; and an inflow that changes."""
     suspension = ROOT / "tests/runs/suspension.nml"

@@ -244,9 +244,9 @@ contains
     integer :: first, n(3), a
 
     if (parcels%n /= self%n) error stop 'coupling: prepare without map_void_fraction'
-    if (as_seen .and. self%view%complete) then
-      call self%view%see_void_fraction(gas, self%weights, self%spreading, self%transfer)
-    else
+    if (as_seen .and. self%view%complete .and. .not. allocated(self%spreading)) then
+      call self%view%see_void_fraction(gas, self%weights, self%transfer)
+    else  ! the last digits of what is spread depend on what else is, and a restart has to look at all
       call self%view%see(gas, self%weights, self%spreading, self%transfer)
     end if
     self%source = 0.0_wp

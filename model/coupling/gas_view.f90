@@ -15,7 +15,7 @@ module gas_view
 
   type :: gas_view_t
     real(wp), allocatable :: field(:,:)  !< (lanes,window cells)
-    logical :: complete = .false.        !< whether all of it has been looked at
+    logical :: complete = .false.        !< whether `see` has filled it since the window was made
     real(wp), allocatable, private :: eps(:)           !< (window cells)
     real(wp), allocatable, private :: box(:,:,:,:)     !< (lanes,n1,n2,n3) of the cells of my box
     real(wp), allocatable, private :: vector(:,:,:,:)  !< (3,n1,n2,n3)
@@ -68,19 +68,17 @@ contains
     self%complete = .true.
   end subroutine see
 
-  !> The same of the void fraction alone.
-  subroutine see_void_fraction(self, gas, weights, spreading, transfer)
+  !> The same of the void fraction alone, where it is not spread: to the last digit what `see` brings.
+  subroutine see_void_fraction(self, gas, weights, transfer)
     class(gas_view_t), intent(inout) :: self
     type(gas_t), intent(in) :: gas
     type(open_weights_t), allocatable, intent(in) :: weights
-    type(spreading_t), allocatable, intent(inout) :: spreading
     type(transfer_t), intent(inout) :: transfer
 
     real(wp) :: eps(1, size(self%box, 2), size(self%box, 3), size(self%box, 4))
 
     eps(1, :, :, :) = gas%eps(1:size(eps, 2), 1:size(eps, 3), 1:size(eps, 4))
     if (allocated(weights)) call weights%narrow(eps)
-    if (allocated(spreading)) call spreading%take(1, eps)
     call transfer%gather(1, eps, self%eps)
     self%field(eps_lane, :) = self%eps
   end subroutine see_void_fraction

@@ -263,6 +263,7 @@ contains
         gas%eps(1:n(1), 1:n(2), 1:n(3)) = (1 - share)*gas%eps_old(1:n(1), 1:n(2), 1:n(3)) + share*self%mapped
       end if
     end associate
+    ! since parcels were driven last the gas has not moved, or has been put back
     call self%coupling%prepare(self%solids%parcels, self%gas, self%report%dt, as_seen=.true.)
     call self%watch%leave()
   end subroutine prepare

@@ -2,13 +2,14 @@
 !>
 !> Work is of several kinds, done one after the other: each is over when its busiest rank is ready, so each is to be shared evenly.
 !>
-!> Often most of the block is empty. So only the box around all work is cut; a tile beyond goes with the nearest one of the box.
+!> Often most of the block is empty. So only the box around all work is cut; a tile beyond goes with the nearest one of the box, not
+!> counting ways through periodic faces.
 module partition
   use kinds, only: wp
   use metis, only: idx_t, graph_t, cut_recursively, cut_directly
   implicit none
   private
-  public :: partition_block, loads, longest_time, relabel
+  public :: partition_block, loads, longest_time, relabel, place_in_block, vertex_at
 
   integer, parameter :: unevenness_of_halves = 5, unevenness = 30  !< permitted, in thousandths of the mean load
   integer, parameter :: few = 16                 !< parts up to which they are made by halving
@@ -43,12 +44,12 @@ contains
     call find_box(n, any(work > 0, 1), fewest_tiles*parts, low, extent)
     allocate (within(product(extent)), cut(product(extent)))
     do i = 1, size(within)
-      within(i) = 1 + vertex_at(n, low + place_of(extent, i - 1))
+      within(i) = 1 + vertex_at(n, low + place_in_block(extent, i - 1))
     end do
     call cut_block(extent, periodic .and. extent == n, area, work(:, within), parts, cut, ok)
     if (.not. ok) return
     do i = 1, size(part)
-      part(i) = cut(1 + vertex_at(extent, min(max(place_of(n, i - 1) - low, 0), extent - 1)))
+      part(i) = cut(1 + vertex_at(extent, min(max(place_in_block(n, i - 1) - low, 0), extent - 1)))
     end do
   end subroutine partition_block
 
@@ -66,8 +67,8 @@ contains
     high = -1
     do v = 1, size(marked)
       if (.not. marked(v)) cycle
-      low = min(low, place_of(n, v - 1))
-      high = max(high, place_of(n, v - 1))
+      low = min(low, place_in_block(n, v - 1))
+      high = max(high, place_in_block(n, v - 1))
     end do
     extent = high - low + 1
     if (product(max(extent, 0)) < fewest) then
@@ -152,7 +153,7 @@ contains
     graph%first(1) = 0
     m = 0
     do v = 1, size(whole)
-      place = place_of(n, v - 1)
+      place = place_in_block(n, v - 1)
       do a = 1, 3
         do side = -1, 1, 2
           there = beside(n, periodic, place, a, side)
@@ -187,12 +188,12 @@ contains
   end function beside
 
   !> Place of a vertex of a block, all from 0.
-  pure function place_of(n, vertex) result(place)
+  pure function place_in_block(n, vertex) result(place)
     integer, intent(in) :: n(3), vertex
     integer :: place(3)
 
     place = [modulo(vertex, n(1)), modulo(vertex/n(1), n(2)), vertex/(n(1)*n(2))]
-  end function place_of
+  end function place_in_block
 
   !> The vertex at a place of a block, all from 0.
   pure function vertex_at(n, place) result(vertex)

@@ -8,7 +8,7 @@ module tiles
   use kinds, only: wp
   use metis, only: metis_fits
   use outcome, only: exit_environment
-  use partition, only: partition_block, loads, longest_time, relabel
+  use partition, only: partition_block, loads, longest_time, relabel, place_in_block, vertex_at
   implicit none
   private
   public :: tiles_t, new_tiles, most_images
@@ -170,14 +170,14 @@ contains
     integer, intent(in) :: tile
     integer :: place(3)
 
-    place = [modulo(tile - 1, self%n(1)), modulo((tile - 1)/self%n(1), self%n(2)), (tile - 1)/(self%n(1)*self%n(2))]
+    place = place_in_block(self%n, tile - 1)
   end function place_of
 
   pure function tile_at(n, place) result(tile)
     integer, intent(in) :: n(3), place(3)
     integer :: tile
 
-    tile = 1 + place(1) + n(1)*(place(2) + n(2)*place(3))
+    tile = 1 + vertex_at(n, place)
   end function tile_at
 
   !> Lowest and highest corner of a tile [m]; walls do not count, see above.

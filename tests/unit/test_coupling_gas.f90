@@ -44,7 +44,8 @@ contains
     end associate
   end subroutine advance
 
-  !> What parcels were driven by does for the next step, but for the void fraction, as well as what the gas is looked at for anew.
+  !> To prepare with the gas as it was seen to drive gives the same as to look at all of it again; the void fraction is seen
+  !> anew, and all is where the window is another.
   subroutine check_memory(scene, drag)
     type(scene_t), intent(in) :: scene
     character(len=*), intent(in) :: drag
@@ -54,7 +55,7 @@ contains
     logical :: alike, other
 
     anew = scene
-    associate (gas => anew%gas, parcels => anew%parcels, n => anew%boxes%n)
+    associate (gas => anew%gas, parcels => anew%parcels)
       parcels%weight(:parcels%n) = 0.9_wp*parcels%weight(:parcels%n)
       coefficient = gas%drag
       call anew%coupling%map_void_fraction(parcels, gas)
