@@ -64,7 +64,7 @@ contains
     real(wp), intent(inout) :: beyond(:)  !< contacts so deep, see `deep`
     real(wp), intent(out) :: largest    !< [-]
 
-    real(wp) :: overlap, share
+    real(wp) :: overlap, share, square
     integer :: i, j, k
 
     overlaps = 0.0_wp
@@ -75,9 +75,10 @@ contains
       do k = list%first(i), list%first(i + 1) - 1
         j = list%partner(k)
         associate (a => parcels%state(1:4, i), b => parcels%state(1:4, j))
-          overlap = (a(4) + b(4) - norm2(a(1:3) - b(1:3)))/min(a(4), b(4))
+          square = sum((a(1:3) - b(1:3))**2)
+          if (square >= (a(4) + b(4))**2) cycle
+          overlap = (a(4) + b(4) - sqrt(square))/min(a(4), b(4))
         end associate
-        if (overlap <= 0.0_wp) cycle
         share = merge(1.0_wp, 0.5_wp, j <= parcels%n)
         overlaps = overlaps + share*overlap
         contacts = contacts + share

@@ -23,7 +23,7 @@ module restart_file
   private
   public :: restart_writer_t, restart_reader_t
 
-  integer, parameter :: format = 2  !< of the file; a program refuses those it does not know
+  integer, parameter :: format = 3  !< of this file and those a continued run adds to; a program refuses those it does not know
 
   integer(i8), parameter :: alone(0) = 0_i8  !< no dimension before that of the columns
 

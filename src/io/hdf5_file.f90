@@ -16,8 +16,8 @@ module hdf5_file
     h5dset_extent_f, h5dget_space_f, h5screate_simple_f, h5sclose_f, h5sselect_hyperslab_f, &
     h5sselect_none_f, h5sget_simple_extent_ndims_f, h5sget_simple_extent_dims_f, h5oopen_f, h5oclose_f, h5acreate_f, h5aopen_f, &
     h5aopen_by_name_f, h5aexists_f, h5adelete_f, h5awrite_f, h5aread_f, h5aclose_f, h5tcopy_f, &
-    h5tset_size_f, h5tset_strpad_f, h5tclose_f, h5lexists_f, H5P_DEFAULT_F, H5P_FILE_ACCESS_F, H5P_DATASET_CREATE_F, &
-    H5P_DATASET_XFER_F, H5P_LINK_CREATE_F, H5F_ACC_TRUNC_F, H5F_ACC_RDWR_F, H5F_ACC_RDONLY_F, &
+    h5tset_size_f, h5tset_strpad_f, h5tclose_f, h5lexists_f, h5lcreate_hard_f, H5P_DEFAULT_F, H5P_FILE_ACCESS_F, &
+    H5P_DATASET_CREATE_F, H5P_DATASET_XFER_F, H5P_LINK_CREATE_F, H5F_ACC_TRUNC_F, H5F_ACC_RDWR_F, H5F_ACC_RDONLY_F, &
     H5F_LIBVER_V18_F, H5F_LIBVER_LATEST_F, H5FD_MPIO_COLLECTIVE_F, H5D_ALLOC_TIME_EARLY_F, H5S_SELECT_SET_F, H5S_UNLIMITED_F, &
     H5_INTEGER_KIND, H5T_NATIVE_DOUBLE, H5T_NATIVE_REAL, H5T_NATIVE_INTEGER, H5T_FORTRAN_S1, H5T_STR_NULLPAD_F
   use kinds, only: wp, i8
@@ -46,6 +46,7 @@ module hdf5_file
     procedure :: failed
     procedure :: has
     procedure :: make_group
+    procedure :: give_name
     procedure :: set_attribute
     procedure :: get_attribute
     procedure :: make
@@ -195,6 +196,23 @@ contains
     call self%check(error, 'make '//path)
     call h5gclose_f(group, error)
   end subroutine make_group
+
+  !> Another name for an object, beside the one it has; the group it lies in may be new.
+  subroutine give_name(self, path, name)
+    class(hdf5_file_t), intent(inout) :: self
+    character(len=*), intent(in) :: path
+    character(len=*), intent(in) :: name  !< the whole path of the other one
+
+    integer :: error
+    integer(hid_t) :: links
+
+    if (self%failed()) return
+    call h5pcreate_f(H5P_LINK_CREATE_F, links, error)
+    call h5pset_create_inter_group_f(links, 1, error)
+    call h5lcreate_hard_f(self%id, path, self%id, name, error, links)
+    call self%check(error, 'name '//path//' '//name)
+    call h5pclose_f(links, error)
+  end subroutine give_name
 
   !> Set an attribute of the object at `path`: `length` values, or one for length 0; a text of `length` characters.
   subroutine set_attribute(self, path, name, kind, length, values)

@@ -11,19 +11,19 @@
 module vtkhdf_gas
   use agreement, only: agree
   use boxes, only: boxes_t
-  use hdf5_arrays, only: put_block, put_attribute, put_columns, share_t
+  use hdf5_arrays, only: put_block, put_attribute, put_columns
   use hdf5_file, only: single_kind, real_kind
   use kinds, only: wp, sp, i8
   use mesh, only: mesh_t
   use outcome, only: outcome_t
   use provenance, only: provenance_t
-  use vtkhdf_steps, only: vtkhdf_t, put_row
+  use vtkhdf_steps, only: vtkhdf_t, put_row, whole
   use xdmf, only: write_grid_sidecar
   implicit none
   private
   public :: vtkhdf_gas_t
 
-  character(len=*), parameter :: cell_data = '/VTKHDF/CellData/'
+  character(len=*), parameter :: cell_data = '/VTKHDF/CellData/', of_steps = '/VTKHDF/Steps/'
   character(len=*), parameter :: coordinates(3) = ['XCoordinates', 'YCoordinates', 'ZCoordinates']
 
   type, extends(vtkhdf_t) :: vtkhdf_gas_t
@@ -91,8 +91,9 @@ contains
     do a = 1, 3
       n = self%mesh%n(a) + 1
       call self%file%make('/VTKHDF/'//coordinates(a), real_kind, [int(n, i8)], [int(n, i8)])
-      call put_columns(self%file, '/VTKHDF/'//coordinates(a), self%mesh%axis(a)%face, share_t(n, 0, n))
+      call put_columns(self%file, '/VTKHDF/'//coordinates(a), self%mesh%axis(a)%face, whole(n))
     end do
+    call self%make_rows(of_steps//'XCoordinatesOffsets', of_steps//['YCoordinatesOffsets', 'ZCoordinatesOffsets'])
   end subroutine introduce_graded
 
   subroutine begin_step(self, time)
@@ -146,28 +147,36 @@ contains
     class(vtkhdf_gas_t), intent(inout) :: self
     type(outcome_t), intent(inout) :: outcome
 
-    integer :: a
-
     if (self%repeated) return
     call self%close_bulk(outcome)
     if (outcome%failed()) return
-    if (self%comm%is_root() .and. .not. self%mesh%uniform) then
-      do a = 1, 3
-        call put_row(self%file, '/VTKHDF/Steps/'//coordinates(a)//'Offsets', self%steps, [0_i8])
-      end do
+    if (self%comm%is_root()) then
+      call put_tables(self, of_steps//'CellDataOffsets/'//trim(self%fields(1)%name), outcome)
+      call put_sidecar(self, self%steps + 1, .false., outcome)
     end if
-    call self%finish('/VTKHDF/Steps/CellDataOffsets/', int(self%steps, i8), outcome)
-    if (self%sidecar_is_due(at_end=.false.)) call put_sidecar(self, outcome)
+    call self%finish(outcome)
   end subroutine end_step
 
-  subroutine put_sidecar(self, outcome)
-    type(vtkhdf_gas_t), intent(in) :: self
+  !> The entries of this step.
+  subroutine put_tables(self, offsets, outcome)
+    type(vtkhdf_gas_t), intent(inout) :: self
+    character(len=*), intent(in) :: offsets  !< the table of those of the first field, and of all
     type(outcome_t), intent(inout) :: outcome
 
-    if (self%comm%is_root()) then
-      call write_grid_sidecar(self%name, self%fields, self%times(:self%steps), self%mesh, outcome)
-    end if
-    call agree(self%comm, outcome)
+    if (.not. self%file%has(offsets)) call self%make_rows(offsets)
+    call put_row(self%file, offsets, self%steps, [int(self%steps, i8)])
+    if (.not. self%mesh%uniform) call put_row(self%file, of_steps//'XCoordinatesOffsets', self%steps, [0_i8])
+    call self%show_step(offsets, of_steps//'CellDataOffsets/', outcome)
+  end subroutine put_tables
+
+  subroutine put_sidecar(self, steps, at_end, outcome)
+    type(vtkhdf_gas_t), intent(inout) :: self
+    integer, intent(in) :: steps  !< in the file
+    logical, intent(in) :: at_end
+    type(outcome_t), intent(inout) :: outcome
+
+    if (.not. self%sidecar_is_due(steps, at_end)) return
+    call write_grid_sidecar(self%name, self%fields, self%times(:steps), self%mesh, outcome)
   end subroutine put_sidecar
 
   !> Complete the sidecar.
@@ -175,7 +184,8 @@ contains
     class(vtkhdf_gas_t), intent(inout) :: self
     type(outcome_t), intent(inout) :: outcome
 
-    if (self%sidecar_is_due(at_end=.true.)) call put_sidecar(self, outcome)
+    call put_sidecar(self, self%steps, .true., outcome)
+    call agree(self%comm, outcome)
   end subroutine close_gas
 
 end module vtkhdf_gas

@@ -16,14 +16,14 @@ module vtkhdf_parcels
   use kinds, only: wp, sp, i8
   use outcome, only: outcome_t
   use provenance, only: provenance_t
-  use vtkhdf_steps, only: vtkhdf_t, put_row
+  use vtkhdf_steps, only: vtkhdf_t, put_row, whole
   use xdmf, only: write_cloud_sidecar
   implicit none
   private
   public :: vtkhdf_parcels_t
 
   character(len=*), parameter :: root = '/VTKHDF/'
-  character(len=8), parameter :: topology(4) = ['Vertices', 'Lines   ', 'Polygons', 'Strips  ']
+  character(len=*), parameter :: vertices = root//'Vertices/', lines = root//'Lines/', of_steps = root//'Steps/'
   integer(i8), parameter :: chunk = 16384  !< parcels stored together
 
   type, extends(vtkhdf_t) :: vtkhdf_parcels_t
@@ -67,7 +67,8 @@ contains
     self%longest = maxval([0_i8, self%points(:self%steps)])
   end subroutine open_parcels
 
-  !> What a file of points needs before its first step.
+  !> What a file of points needs before its first step. A step is one part with one cell, of the kind that holds any number of
+  !> points; of the three other kinds there is none.
   subroutine make_tables(self, origin)
     type(vtkhdf_parcels_t), intent(inout) :: self
     type(provenance_t), intent(in) :: origin
@@ -75,7 +76,18 @@ contains
     call self%introduce('PolyData', [2, 0], origin)
     call self%file%make(root//'Points', single_kind, [3_i8, 0_i8], [3_i8, chunk])
     call put_attribute(self%file, root//'Points', 'unit', 'm')
-    call self%file%make(root//'Vertices/Connectivity', long_kind, [0_i8], [chunk])
+    call self%file%make(vertices//'Connectivity', long_kind, [0_i8], [chunk])
+    call self%make_rows(root//'NumberOfPoints', [vertices//'NumberOfConnectivityIds'])
+    call self%make_rows(vertices//'Offsets')
+    call self%make_rows(vertices//'NumberOfCells', [of_steps//'NumberOfParts'])
+    call self%make_rows(lines//'Offsets', lines//['NumberOfCells          ', 'NumberOfConnectivityIds'])
+    call self%make_rows(lines//'Connectivity')
+    call self%file%give_name(root//'Lines', root//'Polygons')
+    call self%file%give_name(root//'Lines', root//'Strips')
+    call self%make_rows(of_steps//'PartOffsets')
+    call self%make_rows(of_steps//'PointOffsets')
+    call self%make_rows(of_steps//'CellOffsets', columns=4)
+    call self%make_rows(of_steps//'ConnectivityIdOffsets', columns=4)
   end subroutine make_tables
 
   !> Of a file that is continued: how many points its steps have.
@@ -165,67 +177,48 @@ contains
     if (self%repeated) return
     call self%close_bulk(outcome)
     if (outcome%failed()) return
-    if (self%comm%is_root()) call put_tables(self)
     self%points(self%steps + 1) = self%share%total
-    call self%finish(root//'Steps/PointDataOffsets/', self%first, outcome)
+    if (self%comm%is_root()) then
+      call put_tables(self)
+      call self%show_step(of_steps//'PointOffsets', of_steps//'PointDataOffsets/', outcome)
+      call put_sidecar(self, self%steps + 1, .false., outcome)
+    end if
     self%first = self%first + self%share%total
-    if (self%sidecar_is_due(at_end=.false.)) call put_sidecar(self, outcome)
+    call self%finish(outcome)
   end subroutine end_step
 
-  !> The entries of this step: one cell, of the kind that holds any number of points, in one part.
+  !> The entries of this step.
   subroutine put_tables(self)
     type(vtkhdf_parcels_t), intent(inout) :: self
 
-    integer(i8) :: n, step, i
-    integer :: k
+    integer(i8) :: n, i
 
     n = self%share%total
-    step = self%steps
     associate (file => self%file, row => self%steps)
       ! The points of every cell are 0, 1, 2, ..., so all steps share one list, as long as the largest needs.
       if (n > self%longest) then
-        call put_columns(file, root//'Vertices/Connectivity', [(i, i=self%longest, n - 1)], &
-          share_t(n - self%longest, 0, n - self%longest), self%longest)
+        call put_columns(file, vertices//'Connectivity', [(i, i=self%longest, n - 1)], whole(int(n - self%longest)), self%longest)
         self%longest = n
       end if
       call put_row(file, root//'NumberOfPoints', row, [n])
-      call put_row(file, root//'Vertices/Offsets', row, [0_i8, n])
-      call put_row(file, root//'Vertices/NumberOfCells', row, [1_i8])
-      call put_row(file, root//'Vertices/NumberOfConnectivityIds', row, [n])
-      do k = 2, size(topology)
-        call put_row(file, root//trim(topology(k))//'/Offsets', row, [0_i8])
-        call put_row(file, root//trim(topology(k))//'/NumberOfCells', row, [0_i8])
-        call put_row(file, root//trim(topology(k))//'/NumberOfConnectivityIds', row, [0_i8])
-        if (.not. file%has(root//trim(topology(k))//'/Connectivity')) then
-          call file%make(root//trim(topology(k))//'/Connectivity', long_kind, [0_i8], [chunk])
-        end if
-      end do
-      call put_row(file, root//'Steps/PartOffsets', row, [step])
-      call put_row(file, root//'Steps/NumberOfParts', row, [1_i8])
-      call put_row(file, root//'Steps/PointOffsets', row, [self%first])
-      call put_four(self, root//'Steps/CellOffsets', [step, 0_i8, 0_i8, 0_i8])
-      call put_four(self, root//'Steps/ConnectivityIdOffsets', [0_i8, 0_i8, 0_i8, 0_i8])
+      call put_row(file, vertices//'Offsets', row, [0_i8, n])
+      call put_row(file, vertices//'NumberOfCells', row, [1_i8])
+      call put_row(file, lines//'Offsets', row, [0_i8])
+      call put_row(file, of_steps//'PartOffsets', row, [int(row, i8)])
+      call put_row(file, of_steps//'PointOffsets', row, [self%first])
+      call put_row(file, of_steps//'CellOffsets', row, reshape([int(row, i8), 0_i8, 0_i8, 0_i8], [4, 1]))
+      call put_row(file, of_steps//'ConnectivityIdOffsets', row, reshape([0_i8, 0_i8, 0_i8, 0_i8], [4, 1]))
     end associate
   end subroutine put_tables
 
-  !> A row of a table with one column per kind of cell.
-  subroutine put_four(self, path, values)
+  subroutine put_sidecar(self, steps, at_end, outcome)
     type(vtkhdf_parcels_t), intent(inout) :: self
-    character(len=*), intent(in) :: path
-    integer(i8), intent(in) :: values(4)
-
-    if (.not. self%file%has(path)) call self%file%make(path, long_kind, [4_i8, 0_i8], [4_i8, 64_i8])
-    call put_columns(self%file, path, reshape(values, [4, 1]), share_t(1, 0, 1), int(self%steps, i8))
-  end subroutine put_four
-
-  subroutine put_sidecar(self, outcome)
-    type(vtkhdf_parcels_t), intent(in) :: self
+    integer, intent(in) :: steps  !< in the file
+    logical, intent(in) :: at_end
     type(outcome_t), intent(inout) :: outcome
 
-    if (self%comm%is_root()) then
-      call write_cloud_sidecar(self%name, self%fields, self%times(:self%steps), self%points(:self%steps), outcome)
-    end if
-    call agree(self%comm, outcome)
+    if (.not. self%sidecar_is_due(steps, at_end)) return
+    call write_cloud_sidecar(self%name, self%fields, self%times(:steps), self%points(:steps), outcome)
   end subroutine put_sidecar
 
   !> Complete the sidecar.
@@ -233,7 +226,8 @@ contains
     class(vtkhdf_parcels_t), intent(inout) :: self
     type(outcome_t), intent(inout) :: outcome
 
-    if (self%sidecar_is_due(at_end=.true.)) call put_sidecar(self, outcome)
+    call put_sidecar(self, self%steps, .true., outcome)
+    call agree(self%comm, outcome)
   end subroutine close_parcels
 
 end module vtkhdf_parcels

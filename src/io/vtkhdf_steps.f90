@@ -2,7 +2,8 @@
 !>
 !> A file is open only while a step is added, so a reader never meets a held file and a killed run leaves a whole one.
 !> The bulk of a step is written by all ranks, its entries in the tables of the steps by the root alone, and last of
-!> all the number of steps: an interrupted step stays invisible.
+!> all the number of steps: an interrupted step stays invisible. While the root writes, all wait, so tables that are the
+!> same are one, with a name for each place where VTK looks for it.
 module vtkhdf_steps
   use agreement, only: agree
   use communicator, only: communicator_t
@@ -12,12 +13,14 @@ module vtkhdf_steps
   use kinds, only: wp, i8
   use outcome, only: outcome_t
   use provenance, only: provenance_t, put_provenance
+  use timing, only: wall_seconds
   implicit none
   private
-  public :: vtkhdf_t, field_t, put_row
+  public :: vtkhdf_t, field_t, put_row, whole
 
   integer, parameter :: name_length = 32
   integer(i8), parameter :: rows_of_chunk = 256      !< of the tables with a row per step
+  real(wp), parameter :: sidecar_seconds = 10.0_wp   !< of wall time, between two writings of the sidecar
 
   type :: field_t
     character(len=name_length) :: name
@@ -32,6 +35,7 @@ module vtkhdf_steps
     integer :: steps = 0                               !< in the file
     real(wp), allocatable :: times(:)                  !< of the steps, with room for more [s]
     integer :: in_sidecar = 0                          !< steps the sidecar knows
+    real(wp) :: sidecar_written = -huge(1.0_wp)        !< wall clock then [s]
     type(field_t), allocatable :: fields(:)            !< in the order of the first step
     logical :: repeated = .false.                      !< the step being added is already there
   contains
@@ -41,13 +45,15 @@ module vtkhdf_steps
     procedure :: begin
     procedure :: has_field
     procedure :: close_bulk
+    procedure :: make_rows
+    procedure :: show_step
     procedure :: finish
     procedure :: sidecar_is_due
   end type vtkhdf_t
 
   !> put_row(file, path, row, values): write row `row` (from 0) of a table, which ends there.
   interface put_row
-    procedure :: put_long_row, put_real_row
+    procedure :: put_long_row, put_long_columns, put_real_row
   end interface put_row
 
 contains
@@ -169,35 +175,69 @@ contains
     if (self%comm%is_root()) call self%file%open(self%name, .true.)
   end subroutine close_bulk
 
-  !> The entries that both kinds have, and last the number of steps, which makes the step visible.
-  subroutine finish(self, folder, entry, outcome)
+  !> On the root: a table of integers to be filled by `put_row`, and the other names it goes by.
+  subroutine make_rows(self, path, names, columns)
     class(vtkhdf_t), intent(inout) :: self
-    character(len=*), intent(in) :: folder  !< of the offsets of the fields
-    integer(i8), intent(in) :: entry        !< where the data of this step begin
+    character(len=*), intent(in) :: path
+    character(len=*), intent(in), optional :: names(:)
+    integer, intent(in), optional :: columns  !< absent: rows, of any length, one behind the other
+
+    integer :: i
+
+    if (present(columns)) then
+      call self%file%make(path, long_kind, [int(columns, i8), 0_i8], [int(columns, i8), rows_of_chunk])
+    else
+      call self%file%make(path, long_kind, [0_i8], [rows_of_chunk])
+    end if
+    if (.not. present(names)) return
+    do i = 1, size(names)
+      call self%file%give_name(path, trim(names(i)))
+    end do
+  end subroutine make_rows
+
+  !> On the root, when the entries of the step are in the tables: the offsets of all fields are those in one of them. Last the
+  !> number of steps, which makes the step visible, and the file is closed.
+  subroutine show_step(self, offsets, folder, outcome)
+    class(vtkhdf_t), intent(inout) :: self
+    character(len=*), intent(in) :: offsets  !< the table with them
+    character(len=*), intent(in) :: folder   !< where VTK looks for one per field
     type(outcome_t), intent(inout) :: outcome
 
     integer :: i
 
-    if (self%comm%is_root()) then
+    if (self%steps == 0) then
       do i = 1, size(self%fields)
-        call put_row(self%file, folder//trim(self%fields(i)%name), self%steps, [entry])
+        if (self%file%has(folder//trim(self%fields(i)%name))) cycle
+        call self%file%give_name(offsets, folder//trim(self%fields(i)%name))
       end do
-      call put_row(self%file, '/VTKHDF/Steps/Values', self%steps, [self%times(self%steps + 1)])
-      call put_attribute(self%file, '/VTKHDF/Steps', 'NSteps', self%steps + 1)
-      call self%file%close(outcome)
     end if
+    call put_row(self%file, '/VTKHDF/Steps/Values', self%steps, [self%times(self%steps + 1)])
+    call put_attribute(self%file, '/VTKHDF/Steps', 'NSteps', self%steps + 1)
+    call self%file%close(outcome)
+  end subroutine show_step
+
+  !> The root has shown the step: it counts, and all ranks know whether that went well.
+  subroutine finish(self, outcome)
+    class(vtkhdf_t), intent(inout) :: self
+    type(outcome_t), intent(inout) :: outcome
+
     self%steps = self%steps + 1
     call agree(self%comm, outcome)
   end subroutine finish
 
-  !> The sidecar is a list of all steps, so it is rewritten when a twentieth of them are new, and at the end.
-  function sidecar_is_due(self, at_end) result(due)
+  !> Whether the root shall write the sidecar now that the file has these steps. It is a list of all steps, so it is rewritten when
+  !> a twentieth of them are new, but not all the time, and at the end.
+  function sidecar_is_due(self, steps, at_end) result(due)
     class(vtkhdf_t), intent(inout) :: self
+    integer, intent(in) :: steps
     logical, intent(in) :: at_end
     logical :: due
 
-    due = self%steps > self%in_sidecar .and. (at_end .or. self%steps - self%in_sidecar > self%steps/20)
-    if (due) self%in_sidecar = self%steps
+    due = at_end .or. (steps - self%in_sidecar > steps/20 .and. wall_seconds() - self%sidecar_written > sidecar_seconds)
+    due = due .and. steps > self%in_sidecar .and. self%comm%is_root()
+    if (.not. due) return
+    self%in_sidecar = steps
+    self%sidecar_written = wall_seconds()
   end function sidecar_is_due
 
   subroutine put_long_row(file, path, row, values)
@@ -206,9 +246,18 @@ contains
     integer, intent(in) :: row
     integer(i8), intent(in), contiguous :: values(:)
 
-    if (.not. file%has(path)) call file%make(path, long_kind, [0_i8], [rows_of_chunk])
-    call put_columns(file, path, values, share_t(size(values), 0, size(values)), row*size(values, kind=i8))
+    call put_columns(file, path, values, whole(size(values)), row*size(values, kind=i8))
   end subroutine put_long_row
+
+  !> Of a table with columns.
+  subroutine put_long_columns(file, path, row, values)
+    type(hdf5_file_t), intent(inout) :: file
+    character(len=*), intent(in) :: path
+    integer, intent(in) :: row
+    integer(i8), intent(in), contiguous :: values(:,:)  !< (columns, 1)
+
+    call put_columns(file, path, values, whole(1), int(row, i8))
+  end subroutine put_long_columns
 
   subroutine put_real_row(file, path, row, values)
     type(hdf5_file_t), intent(inout) :: file
@@ -216,7 +265,15 @@ contains
     integer, intent(in) :: row
     real(wp), intent(in), contiguous :: values(:)
 
-    call put_columns(file, path, values, share_t(size(values), 0, size(values)), row*size(values, kind=i8))
+    call put_columns(file, path, values, whole(size(values)), row*size(values, kind=i8))
   end subroutine put_real_row
+
+  !> The share of a rank that has all n columns.
+  pure function whole(n) result(share)
+    integer, intent(in) :: n
+    type(share_t) :: share
+
+    share = share_t(n, 0, n)
+  end function whole
 
 end module vtkhdf_steps

@@ -6,17 +6,17 @@
 !> The root writes it. Triangles share no corners; which ones there are is written once, where they are in every step.
 module vtkhdf_walls
   use communicator, only: communicator_t
-  use hdf5_arrays, only: share_t, put_columns, put_attribute
+  use hdf5_arrays, only: put_columns, put_attribute
   use hdf5_file, only: single_kind, long_kind, integer_kind
   use kinds, only: wp, sp, i8
   use outcome, only: outcome_t
   use provenance, only: provenance_t
-  use vtkhdf_steps, only: vtkhdf_t, put_row
+  use vtkhdf_steps, only: vtkhdf_t, put_row, whole
   implicit none
   private
   public :: vtkhdf_walls_t
 
-  character(len=*), parameter :: root = '/VTKHDF/'
+  character(len=*), parameter :: root = '/VTKHDF/', of_steps = root//'Steps/'
   character(len=8), parameter :: topology(4) = ['Vertices', 'Lines   ', 'Polygons', 'Strips  ']
   integer, parameter :: polygons = 3
   integer(i8), parameter :: chunk = 16384  !< points or cells stored together
@@ -45,6 +45,10 @@ contains
       call self%introduce('PolyData', [2, 0], origin)
       call self%file%make(root//'Points', single_kind, [3_i8, 0_i8], [3_i8, chunk])
       call put_attribute(self%file, root//'Points', 'unit', 'm')
+      call self%make_rows(of_steps//'PartOffsets')
+      call self%make_rows(of_steps//'NumberOfParts')
+      call self%make_rows(of_steps//'PointOffsets')
+      call self%make_rows(of_steps//'CellOffsets', [of_steps//'ConnectivityIdOffsets'], columns=4)
     end if
     call self%started(outcome)
   end subroutine open_walls
@@ -71,14 +75,14 @@ contains
       call put_columns(self%file, root//'Points', reshape(real(corners, sp), [3, 3*size(number)]), whole(3*size(number)), &
                        self%steps*points)
       associate (file => self%file, row => self%steps)
-        call put_row(file, root//'Steps/PartOffsets', row, [0_i8])
-        call put_row(file, root//'Steps/NumberOfParts', row, [1_i8])
-        call put_row(file, root//'Steps/PointOffsets', row, [row*points])
-        call put_four(self, root//'Steps/CellOffsets')
-        call put_four(self, root//'Steps/ConnectivityIdOffsets')
+        call put_row(file, of_steps//'PartOffsets', row, [0_i8])
+        call put_row(file, of_steps//'NumberOfParts', row, [1_i8])
+        call put_row(file, of_steps//'PointOffsets', row, [row*points])
+        call put_row(file, of_steps//'CellOffsets', row, reshape([0_i8, 0_i8, 0_i8, 0_i8], [4, 1]))
       end associate
+      call self%show_step(of_steps//'PartOffsets', of_steps//'CellDataOffsets/', outcome)
     end if
-    call self%finish(root//'Steps/CellDataOffsets/', 0_i8, outcome)
+    call self%finish(outcome)
   end subroutine write_step
 
   !> Which triangles there are: one part, the same in all steps.
@@ -89,11 +93,11 @@ contains
     integer(i8) :: cells, i
     integer :: k
 
-    call put_row(self%file, root//'NumberOfPoints', 0, [3*size(number, kind=i8)])
+    call put_longs(self, root//'NumberOfPoints', [3*size(number, kind=i8)])
     do k = 1, size(topology)
       cells = merge(size(number), 0, k == polygons)
-      call put_row(self%file, root//trim(topology(k))//'/NumberOfCells', 0, [cells])
-      call put_row(self%file, root//trim(topology(k))//'/NumberOfConnectivityIds', 0, [3*cells])
+      call put_longs(self, root//trim(topology(k))//'/NumberOfCells', [cells])
+      call put_longs(self, root//trim(topology(k))//'/NumberOfConnectivityIds', [3*cells])
       call put_longs(self, root//trim(topology(k))//'/Offsets', [(3*i, i=0, cells)])
       call put_longs(self, root//trim(topology(k))//'/Connectivity', [(i, i=0, 3*cells - 1)])
     end do
@@ -110,21 +114,5 @@ contains
     call self%file%make(path, long_kind, [0_i8], [chunk])
     if (size(values) > 0) call put_columns(self%file, path, values, whole(size(values)), 0_i8)
   end subroutine put_longs
-
-  !> A row of zeros, one for each kind of cell.
-  subroutine put_four(self, path)
-    type(vtkhdf_walls_t), intent(inout) :: self
-    character(len=*), intent(in) :: path
-
-    if (.not. self%file%has(path)) call self%file%make(path, long_kind, [4_i8, 0_i8], [4_i8, 64_i8])
-    call put_columns(self%file, path, reshape([0_i8, 0_i8, 0_i8, 0_i8], [4, 1]), share_t(1, 0, 1), int(self%steps, i8))
-  end subroutine put_four
-
-  pure function whole(n) result(share)
-    integer, intent(in) :: n
-    type(share_t) :: share
-
-    share = share_t(n, 0, n)
-  end function whole
 
 end module vtkhdf_walls
