@@ -9,12 +9,12 @@ module load_balance
   private
   public :: rebalance, lists_per_look
 
-  real(wp), parameter :: tolerated_imbalance = 1.03_wp  !< time over that of even work, before tiles change hands
+  real(wp), parameter :: noticed_imbalance = 1.01_wp  !< time over that of even work, above which tiles change hands
   integer(i8), parameter :: lists_per_look = 4          !< lists made from one look to the next, which is no small work
 
 contains
 
-  !> Deal the tiles out anew if the work, parcels and their contacts, is too unevenly spread; new lists take the parcels to
+  !> Let tiles change hands if the work, parcels and their contacts, is too unevenly spread; new lists take the parcels to
   !> their new owners. All ranks take part.
   subroutine rebalance(tiles, parcels, list, near_walls, changed)
     type(tiles_t), intent(inout) :: tiles
@@ -27,7 +27,7 @@ contains
 
     changed = .false.
     work = work_of_tiles(tiles, parcels, list, near_walls)
-    if (tiles%imbalance(work) > tolerated_imbalance) call tiles%repartition(work, changed)
+    if (tiles%imbalance(work) > noticed_imbalance) call tiles%repartition(work, changed)
   end subroutine rebalance
 
 end module load_balance

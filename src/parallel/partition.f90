@@ -6,10 +6,12 @@
 !> counting ways through periodic faces.
 module partition
   use kinds, only: wp
+  use handover, only: hand_over
   use metis, only: idx_t, graph_t, cut_recursively, cut_directly
+  use places, only: place_in_block, vertex_at, beside
   implicit none
   private
-  public :: partition_block, loads, longest_time, relabel, place_in_block, vertex_at
+  public :: partition_block, shift_borders, loads, longest_time, relabel
 
   integer, parameter :: unevenness_of_halves = 5, unevenness = 30  !< permitted, in thousandths of the mean load
   integer, parameter :: few = 16                 !< parts up to which they are made by halving
@@ -41,17 +43,58 @@ contains
     part = 0
     if (parts == 1) return
 
+    call take_box(n, work, parts, low, extent, within)
+    allocate (cut(size(within)))
+    call cut_block(extent, periodic .and. extent == n, area, work(:, within), parts, cut, ok)
+    if (.not. ok) return
+    call hand_over(extent, periodic .and. extent == n, area, work(:, within), parts, cut)
+    call spread_box(n, low, extent, cut, part)
+  end subroutine partition_block
+
+  !> Hand tiles over at the borders between the parts.
+  subroutine shift_borders(n, periodic, area, work, parts, part)
+    integer, intent(in) :: n(3)
+    logical, intent(in) :: periodic(3)
+    real(wp), intent(in) :: area(3), work(:,:)  !< as for partition_block
+    integer, intent(in) :: parts
+    integer, intent(inout) :: part(:)
+
+    integer, allocatable :: within(:), cut(:)
+    integer :: low(3), extent(3)
+
+    call take_box(n, work, parts, low, extent, within)
+    cut = part(within)
+    call hand_over(extent, periodic .and. extent == n, area, work(:, within), parts, cut)
+    call spread_box(n, low, extent, cut, part)
+  end subroutine shift_borders
+
+  !> The tiles of the box that is cut.
+  pure subroutine take_box(n, work, parts, low, extent, within)
+    integer, intent(in) :: n(3), parts
+    real(wp), intent(in) :: work(:,:)
+    integer, intent(out) :: low(3), extent(3)  !< lowest place, and how many tiles it is wide
+    integer, allocatable, intent(out) :: within(:)
+
+    integer :: i
+
     call find_box(n, any(work > 0, 1), fewest_tiles*parts, low, extent)
-    allocate (within(product(extent)), cut(product(extent)))
+    allocate (within(product(extent)))
     do i = 1, size(within)
       within(i) = 1 + vertex_at(n, low + place_in_block(extent, i - 1))
     end do
-    call cut_block(extent, periodic .and. extent == n, area, work(:, within), parts, cut, ok)
-    if (.not. ok) return
+  end subroutine take_box
+
+  !> The parts of the box become those of the block.
+  pure subroutine spread_box(n, low, extent, cut, part)
+    integer, intent(in) :: n(3), low(3), extent(3), cut(:)
+    integer, intent(out) :: part(:)
+
+    integer :: i
+
     do i = 1, size(part)
       part(i) = cut(1 + vertex_at(extent, min(max(place_in_block(n, i - 1) - low, 0), extent - 1)))
     end do
-  end subroutine partition_block
+  end subroutine spread_box
 
   !> The box around all marked tiles, by its lowest place and how many tiles it is wide; the whole block if that box has less
   !> than `fewest` tiles.
@@ -167,41 +210,6 @@ contains
       graph%first(v + 1) = int(m, idx_t)
     end do
   end function block_graph
-
-  !> The vertex, from 0, next to a place in direction a; -1 if there is none.
-  !> Two tiles joined on both sides are neighbours once, a single one is not its own neighbour.
-  pure function beside(n, periodic, place, a, side) result(vertex)
-    integer, intent(in) :: n(3), place(3), a, side
-    logical, intent(in) :: periodic(3)
-    integer :: vertex
-
-    integer :: at(3)
-
-    at = place
-    at(a) = place(a) + side
-    vertex = -1
-    if (at(a) < 0 .or. at(a) >= n(a)) then
-      if (.not. periodic(a) .or. n(a) < 3) return
-      at(a) = modulo(at(a), n(a))
-    end if
-    vertex = vertex_at(n, at)
-  end function beside
-
-  !> Place of a vertex of a block, all from 0.
-  pure function place_in_block(n, vertex) result(place)
-    integer, intent(in) :: n(3), vertex
-    integer :: place(3)
-
-    place = [modulo(vertex, n(1)), modulo(vertex/n(1), n(2)), vertex/(n(1)*n(2))]
-  end function place_in_block
-
-  !> The vertex at a place of a block, all from 0.
-  pure function vertex_at(n, place) result(vertex)
-    integer, intent(in) :: n(3), place(3)
-    integer :: vertex
-
-    vertex = place(1) + n(1)*(place(2) + n(2)*place(3))
-  end function vertex_at
 
   !> Work of the busiest part, which may be another for each kind.
   pure function longest_time(parts, work, part) result(longest)

@@ -8,13 +8,15 @@ module tiles
   use kinds, only: wp
   use metis, only: metis_fits
   use outcome, only: exit_environment
-  use partition, only: partition_block, loads, longest_time, relabel, place_in_block, vertex_at
+  use partition, only: partition_block, shift_borders, loads, longest_time, relabel
+  use places, only: place_in_block, vertex_at
   implicit none
   private
   public :: tiles_t, new_tiles, most_images
 
   integer, parameter :: most_images = 27       !< of one parcel, which has so many tiles around, its own included
-  real(wp), parameter :: worth_it = 0.98_wp    !< new owners are taken if they lower the time to this share
+  real(wp), parameter :: tolerated = 1.03_wp   !< time over that of even work, above which all is cut anew
+  real(wp), parameter :: worth_it = 0.98_wp    !< a new cut is taken if it lowers the time to this share
 
   type :: tiles_t
     type(communicator_t) :: comm
@@ -111,8 +113,9 @@ contains
     end if
   end function concerns_others
 
-  !> Deal the tiles out anew. All ranks take part; weights of the same tile from several ranks are added, so
-  !> parcels may be counted by whichever rank holds them. Owners stay if new ones would not be worth it.
+  !> Share the work evenly: hand tiles over at the borders or, where that is not enough, deal all out anew. All ranks take part;
+  !> weights of the same tile from several ranks are added, so parcels may be counted by whichever rank holds them. Owners stay
+  !> if new ones would not be worth it.
   subroutine repartition(self, weights, changed)
     class(tiles_t), intent(inout) :: self
     real(wp), intent(in) :: weights(:,:)  !< (kinds, total) work in each tile, as far as this rank knows, see partition [any unit]
@@ -137,13 +140,19 @@ contains
     integer :: owner(size(old))
 
     logical :: ok
+    integer :: shifted(size(old))
 
-    associate (ranks => self%comm%size)
+    associate (ranks => self%comm%size, area => product(self%width)/self%width)
       if (self%comm%is_root()) then
-        call partition_block(self%n, self%periodic, product(self%width)/self%width, work, ranks, owner, ok)
-        if (.not. ok) call give_up(self%comm, 'METIS could not cut the tiles into parts')
-        call relabel(ranks, sum(work, 1), old, owner)
-        if (longest_time(ranks, work, owner) >= worth_it*longest_time(ranks, work, old)) owner = old
+        shifted = old
+        call shift_borders(self%n, self%periodic, area, work, ranks, shifted)
+        owner = shifted
+        if (longest_time(ranks, work, shifted) > tolerated*sum(work)/ranks) then
+          call partition_block(self%n, self%periodic, area, work, ranks, owner, ok)
+          if (.not. ok) call give_up(self%comm, 'METIS could not cut the tiles into parts')
+          call relabel(ranks, sum(work, 1), old, owner)
+          if (longest_time(ranks, work, owner) >= worth_it*longest_time(ranks, work, shifted)) owner = shifted
+        end if
       end if
     end associate
     call self%comm%broadcast(owner)

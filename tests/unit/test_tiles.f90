@@ -20,6 +20,7 @@ program test_tiles
   call ghosts([1, 1, 1], [.true., .true., .true.], 'a single tile')
   call balance([24, 6, 40], 'a bed')
   call balance([12, 1, 60], 'a thin bed')
+  call wandering()
   call beyond()
   call few()
   if (comm%is_root()) call finish()
@@ -222,6 +223,31 @@ contains
              count(owner(:, 2:, :) /= owner(:, :tiles%n(2) - 1, :)) + &
              count(owner(:, :, 2:) /= owner(:, :, :tiles%n(3) - 1))
   end function border
+
+  !> A rank that has a few percent more to do than the others hands tiles at its border over, no more than that takes, and the
+  !> border stays flat.
+  subroutine wandering()
+    type(tiles_t) :: tiles
+    integer, allocatable :: before(:)
+    real(wp), allocatable :: work(:,:)
+    real(wp) :: excess
+    integer :: faces, t
+    logical :: changed
+
+    tiles = new_tiles(comm, [0.0_wp, 0.0_wp, 0.0_wp], [1.6_wp, 2.4_wp, 0.4_wp], [.false., .false., .false.], &
+                      spread(0.0999_wp, 1, 3))
+    if (comm%size == 1) return
+    allocate (work(2, tiles%total), source=10.0_wp)
+    allocate (before, source=tiles%owner)
+    faces = border(tiles)
+    work(:, pack([(t, t=1, tiles%total)], before == 0)) = 10.4_wp
+    excess = (longest(tiles, work) - 1)*sum(work)/comm%size
+    call expect_all(longest(tiles, work) > 1.015_wp .and. longest(tiles, work) < 1.03_wp, 'work has wandered')
+    call tiles%repartition(work/comm%size, changed)
+    call expect_all(changed .and. longest(tiles, work) < 1.01_wp, 'it is evened out')
+    call expect_all(sum(work, mask=spread(tiles%owner /= before, 1, 2)) < 1.2_wp*excess*(comm%size - 1), 'with few tiles')
+    call expect_all(border(tiles) <= 1.15_wp*faces, 'at borders that stay flat')
+  end subroutine wandering
 
   !> Tiles around all work go with the nearest of those that have some.
   subroutine beyond()
