@@ -5,8 +5,8 @@
 !> Often most of the block is empty. So only the box around all work is cut; a tile beyond goes with the nearest one of the box, not
 !> counting ways through periodic faces.
 module partition
-  use kinds, only: wp
   use handover, only: hand_over
+  use kinds, only: wp
   use metis, only: idx_t, graph_t, cut_recursively, cut_directly
   use places, only: place_in_block, vertex_at, beside
   implicit none
@@ -51,7 +51,7 @@ contains
     call spread_box(n, low, extent, cut, part)
   end subroutine partition_block
 
-  !> Hand tiles over at the borders between the parts.
+  !> Hand tiles over at the borders between the parts, all of which must be in the box already: else nothing changes.
   subroutine shift_borders(n, periodic, area, work, parts, part)
     integer, intent(in) :: n(3)
     logical, intent(in) :: periodic(3)
@@ -60,10 +60,16 @@ contains
     integer, intent(inout) :: part(:)
 
     integer, allocatable :: within(:), cut(:)
-    integer :: low(3), extent(3)
+    integer :: low(3), extent(3), i
+    logical :: met(0:parts - 1)
 
     call take_box(n, work, parts, low, extent, within)
     cut = part(within)
+    met = .false.
+    do i = 1, size(cut)
+      met(cut(i)) = .true.
+    end do
+    if (.not. all(met)) return
     call hand_over(extent, periodic .and. extent == n, area, work(:, within), parts, cut)
     call spread_box(n, low, extent, cut, part)
   end subroutine shift_borders

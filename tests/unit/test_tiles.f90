@@ -22,6 +22,7 @@ program test_tiles
   call balance([12, 1, 60], 'a thin bed')
   call wandering()
   call beyond()
+  call heavy()
   call few()
   if (comm%is_root()) call finish()
   call stop_ranks()
@@ -272,6 +273,24 @@ contains
     call expect_all(with_nearest, 'empty tiles go with the nearest that has work')
     call expect_all(tiles%imbalance(work/comm%size) < 1.05_wp, 'which is shared evenly')
   end subroutine beyond
+
+  !> All work is in tiles of one rank, and nearly all in one tile, so dealing them out is not worth it: others keep theirs.
+  subroutine heavy()
+    type(tiles_t) :: tiles
+    real(wp), allocatable :: work(:,:)
+    logical :: changed
+    integer :: t
+
+    tiles = new_tiles(comm, [0.0_wp, 0.0_wp, 0.0_wp], [1.6_wp, 1.6_wp, 0.1_wp], [.false., .false., .false.], &
+                      spread(0.0999_wp, 1, 3))
+    allocate (work(1, tiles%total), source=0.0_wp)
+    do t = 1, tiles%total
+      if (tiles%owner(t) == 0) work(1, t) = 1
+    end do
+    work(1, findloc(tiles%owner, 0)) = 1.0e5_wp
+    call tiles%repartition(work/comm%size, changed)
+    call expect_all(size(tiles%mine) > 0, 'every rank has a tile when all work is in tiles of one')
+  end subroutine heavy
 
   !> As many tiles as ranks, fewer, and one heavy tile: nobody is left out as long as there are enough.
   subroutine few()
