@@ -21,7 +21,7 @@ module momentum
 
   !> The faces of one component next to a side of the domain; none unless it is mine.
   type :: rim_t
-    integer :: b, end                  !< the side, across b
+    integer :: b = 0, end = 0          !< the side, across b
     integer :: lo(3) = 1, hi(3) = 0
     real(wp) :: next = 0.0_wp          !< see bend of momentum_cells
   end type rim_t

@@ -233,11 +233,14 @@ contains
     logical, intent(in) :: at_end
     logical :: due
 
-    due = at_end .or. (steps - self%in_sidecar > steps/20 .and. wall_seconds() - self%sidecar_written > sidecar_seconds)
+    real(wp) :: now
+
+    now = wall_seconds()
+    due = at_end .or. (steps - self%in_sidecar > steps/20 .and. now - self%sidecar_written > sidecar_seconds)
     due = due .and. steps > self%in_sidecar .and. self%comm%is_root()
     if (.not. due) return
     self%in_sidecar = steps
-    self%sidecar_written = wall_seconds()
+    self%sidecar_written = now
   end function sidecar_is_due
 
   subroutine put_long_row(file, path, row, values)
