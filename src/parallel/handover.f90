@@ -4,7 +4,7 @@
 !> sides of it are copied, listed and touched on both ranks. So borders stay flat.
 module handover
   use kinds, only: wp
-  use places, only: place_in_block, vertex_at, beside
+  use places, only: place_in_block, vertex_at, beside, loads
   implicit none
   private
   public :: hand_over
@@ -28,10 +28,7 @@ contains
     integer :: round, v, turn(size(part)), k
     logical :: changed
 
-    load = 0
-    do v = 1, size(part)
-      load(:, part(v)) = load(:, part(v)) + work(:, v)
-    end do
+    load = loads(parts, work, part)
     whole = sum(work, 1)
     turn = shortest_first(n)
     do round = 1, most_rounds
@@ -105,11 +102,12 @@ contains
     logical, intent(in) :: periodic(3)
     integer :: beyond(6)
 
-    integer :: a
+    integer :: a, place(3)
 
+    place = place_in_block(n, v - 1)
     do a = 1, 3
-      beyond(2*a - 1) = 1 + beside(n, periodic, place_in_block(n, v - 1), a, -1)
-      beyond(2*a) = 1 + beside(n, periodic, place_in_block(n, v - 1), a, 1)
+      beyond(2*a - 1) = 1 + beside(n, periodic, place, a, -1)
+      beyond(2*a) = 1 + beside(n, periodic, place, a, 1)
     end do
   end function neighbours
 

@@ -8,10 +8,10 @@ module partition
   use handover, only: hand_over
   use kinds, only: wp
   use metis, only: idx_t, graph_t, cut_recursively, cut_directly
-  use places, only: place_in_block, vertex_at, beside
+  use places, only: place_in_block, vertex_at, beside, loads
   implicit none
   private
-  public :: partition_block, shift_borders, loads, longest_time, relabel
+  public :: partition_block, shift_borders, longest_time, relabel
 
   integer, parameter :: unevenness_of_halves = 5, unevenness = 30  !< permitted, in thousandths of the mean load
   integer, parameter :: few = 16                 !< parts up to which they are made by halving
@@ -226,21 +226,6 @@ contains
 
     longest = sum(maxval(loads(parts, work, part), 2))
   end function longest_time
-
-  !> Work of each kind of each part.
-  pure function loads(parts, work, part) result(load)
-    integer, intent(in) :: parts
-    real(wp), intent(in) :: work(:,:)  !< (kinds, tiles)
-    integer, intent(in) :: part(:)     !< (tiles) from 0
-    real(wp) :: load(size(work, 1), 0:parts - 1)
-
-    integer :: v
-
-    load = 0
-    do v = 1, size(part)
-      load(:, part(v)) = load(:, part(v)) + work(:, v)
-    end do
-  end function loads
 
   !> Give each part without a tile the lightest one of the part that has most tiles.
   pure subroutine fill_empty(parts, weight, part)

@@ -1,8 +1,9 @@
-!> Tiles of a block: their places in it, and which lie side by side.
+!> Tiles of a block: their places in it, which lie side by side, and the work of those of a part.
 module places
+  use kinds, only: wp
   implicit none
   private
-  public :: place_in_block, vertex_at, beside
+  public :: place_in_block, vertex_at, beside, loads
 
 contains
 
@@ -40,5 +41,20 @@ contains
 
     vertex = place(1) + n(1)*(place(2) + n(2)*place(3))
   end function vertex_at
+
+  !> Work of each kind of each part.
+  pure function loads(parts, work, part) result(load)
+    integer, intent(in) :: parts
+    real(wp), intent(in) :: work(:,:)  !< (kinds, tiles)
+    integer, intent(in) :: part(:)     !< (tiles) from 0
+    real(wp) :: load(size(work, 1), 0:parts - 1)
+
+    integer :: v
+
+    load = 0
+    do v = 1, size(part)
+      load(:, part(v)) = load(:, part(v)) + work(:, v)
+    end do
+  end function loads
 
 end module places

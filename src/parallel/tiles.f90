@@ -8,8 +8,8 @@ module tiles
   use kinds, only: wp
   use metis, only: metis_fits
   use outcome, only: exit_environment
-  use partition, only: partition_block, shift_borders, loads, longest_time, relabel
-  use places, only: place_in_block, vertex_at
+  use partition, only: partition_block, shift_borders, longest_time, relabel
+  use places, only: place_in_block, vertex_at, loads
   implicit none
   private
   public :: tiles_t, new_tiles, most_images
