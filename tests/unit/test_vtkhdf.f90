@@ -36,7 +36,7 @@ program test_vtkhdf
   if (comm%is_root()) call make_folder(folder, outcome)
   origin = provenance_t('a test', '0.1', 'abc', '&run title = ''a test'' /'//new_line('a'))
   call write_steps(0, 6)
-  call write_steps(3, 4)       ! steps 4 to 6 are dropped, 3 is there already
+  call write_steps(2, 4)       ! steps 3 to 6 are dropped, 2 is there already
   if (comm%is_root()) then
     call expect(.not. outcome%failed(), 'all steps are written')
     if (outcome%failed()) print '(a)', outcome%message
