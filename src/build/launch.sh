@@ -5,6 +5,9 @@ if [ "$(id -u)" = 0 ]; then  # Open MPI refuses root, which is all there is in a
   export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
 fi
 export OMPI_MCA_mpi_yield_when_idle="${OMPI_MCA_mpi_yield_when_idle:-1}"  # others may need the cores
+# ghosts and halos go without a handshake: 29 kB take 7 us, not 11 (by the names of Open MPI 4 and 5)
+export OMPI_MCA_btl_vader_eager_limit="${OMPI_MCA_btl_vader_eager_limit:-32768}"
+export OMPI_MCA_btl_sm_eager_limit="${OMPI_MCA_btl_sm_eager_limit:-32768}"
 [ "$ranks" -gt 1 ] || exec "$@"
 
 launcher=${MPIRUN:-mpirun}
