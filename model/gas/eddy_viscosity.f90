@@ -19,8 +19,9 @@
 !> the parabola of `bend`, on walls within the domain that of the straight line to them, on slip walls and outflows 0.
 !> mu_t is not damped near walls.
 module eddy_viscosity
-  use gas_state, only: gas_state_t, unit_step
+  use gas_state, only: gas_state_t
   use kinds, only: wp
+  use mesh, only: unit_step
   use momentum_cells, only: bend_at
   implicit none
   private

@@ -10,9 +10,9 @@ module gas
   use gas_density, only: balance_pressure => balance, let_vary
   use gas_numerics, only: gas_numerics_t
   use gas_settings, only: gas_settings_t
-  use gas_state, only: gas_state_t, gas_report_t, create_state, find_density, unit_step
+  use gas_state, only: gas_state_t, gas_report_t, create_state, find_density
   use kinds, only: wp
-  use mesh, only: mesh_t
+  use mesh, only: mesh_t, unit_step
   use open_space, only: open_space_t
   use outcome, only: outcome_t
   use pressure_solver, only: pace_size

@@ -28,8 +28,9 @@ module gas_density
   use boundary_settings, only: boundary_settings_t
   use constants, only: is_set
   use gas_settings, only: gas_settings_t, compressibility
-  use gas_state, only: gas_state_t, find_density, set_vents, unit_step, vents
+  use gas_state, only: gas_state_t, find_density, set_vents, vents
   use kinds, only: wp
+  use mesh, only: unit_step
   implicit none
   private
   public :: let_vary, balance, begin_density, follow_pressure, add_inertia, add_weight, pressed_flow, heed_round_off

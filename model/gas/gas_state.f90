@@ -16,14 +16,14 @@ module gas_state
   use gas_settings, only: gas_settings_t
   use halo, only: halo_t, new_halo
   use kinds, only: wp
-  use mesh, only: mesh_t
+  use mesh, only: mesh_t, unit_step
   use momentum_solver, only: stencil_t, momentum_solver_t
   use open_space, only: open_space_t, let_slip
   use outcome, only: outcome_t
   use pressure_solver, only: pressure_solver_t
   implicit none
   private
-  public :: gas_state_t, gas_report_t, wall_t, spacing_t, create_state, set_vents, vents, find_density, unit_step, viscous_eps
+  public :: gas_state_t, gas_report_t, wall_t, spacing_t, create_state, set_vents, vents, find_density, viscous_eps
 
   !> What the last step did. Mass flows are means over the step, over all ranks.
   type :: gas_report_t
@@ -363,13 +363,5 @@ contains
       eps = state%eps(i, j, k)
     end if
   end function viscous_eps
-
-  pure function unit_step(a) result(e)
-    integer, intent(in) :: a
-    integer :: e(3)
-
-    e = 0
-    e(a) = 1
-  end function unit_step
 
 end module gas_state

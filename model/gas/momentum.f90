@@ -10,8 +10,9 @@
 module momentum
   use eddy_viscosity, only: add_turned
   use gas_density, only: add_inertia, add_weight
-  use gas_state, only: gas_state_t, wall_t, unit_step
+  use gas_state, only: gas_state_t, wall_t
   use kinds, only: wp
+  use mesh, only: unit_step
   use momentum_cells, only: sweep_t, new_sweep, find_crossing, bend_at, rub
   use momentum_solver, only: find_residual
   use narrow_momentum, only: add_walls, add_seep, tilt_rows

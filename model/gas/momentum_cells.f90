@@ -5,8 +5,9 @@
 !> keeps the continuity of its two halves.
 module momentum_cells
   use convection, only: limited
-  use gas_state, only: gas_state_t, spacing_t, unit_step
+  use gas_state, only: gas_state_t, spacing_t
   use kinds, only: wp
+  use mesh, only: unit_step
   implicit none
   private
   public :: sweep_t, new_sweep, find_crossing, fill_beyond, continue_across, bend_at, rub

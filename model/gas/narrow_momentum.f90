@@ -10,8 +10,9 @@
 !> friction would be of first order.
 !> Weight acts on the open area times the distance of the pressures beside it, so that a gas at rest stays so.
 module narrow_momentum
-  use gas_state, only: gas_state_t, unit_step, viscous_eps
+  use gas_state, only: gas_state_t, viscous_eps
   use kinds, only: wp
+  use mesh, only: unit_step
   use open_space, only: tilt_t
   implicit none
   private

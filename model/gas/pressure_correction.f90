@@ -8,8 +8,9 @@
 !> equation it gives sum over faces of c (p' - p'_beyond) = -imbalance with c = rho a d. The density of an ideal gas grows
 !> with p': see gas_density.
 module pressure_correction
-  use gas_state, only: gas_state_t, unit_step, vents
+  use gas_state, only: gas_state_t, vents
   use kinds, only: wp
+  use mesh, only: unit_step
   use momentum_cells, only: continue_across
   implicit none
   private

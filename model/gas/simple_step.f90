@@ -9,8 +9,9 @@ module simple_step
   use eddy_viscosity, only: find_eddies
   use gas_boundary, only: set_inflow
   use gas_density, only: begin_density, follow_pressure, heed_round_off, pressed_flow
-  use gas_state, only: gas_state_t, gas_report_t, find_density, unit_step, vents
+  use gas_state, only: gas_state_t, gas_report_t, find_density, vents
   use kinds, only: wp
+  use mesh, only: unit_step
   use momentum, only: prepare_momentum, assemble_momentum
   use momentum_cells, only: fill_beyond
   use pressure_correction, only: prepare_faces, prepare_pressure, update_flux, find_imbalance, correct

@@ -4,7 +4,7 @@ module mesh
   use kinds, only: wp
   implicit none
   private
-  public :: mesh_t, new_mesh, new_uniform_mesh
+  public :: mesh_t, new_mesh, new_uniform_mesh, unit_step
 
   !> Cell (i,j,k), each from 1, lies between faces i-1 and i of axis 1, j-1 and j of axis 2, k-1 and k of axis 3.
   type :: mesh_t
@@ -109,5 +109,14 @@ contains
       end do
     end do
   end function areas
+
+  !> From a cell to the next one across a.
+  pure function unit_step(a) result(step)
+    integer, intent(in) :: a
+    integer :: step(3)
+
+    step = 0
+    step(a) = 1
+  end function unit_step
 
 end module mesh

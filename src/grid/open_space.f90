@@ -12,7 +12,7 @@ module open_space
   use boxes, only: boxes_t
   use kinds, only: wp
   use level, only: level_t
-  use mesh, only: mesh_t
+  use mesh, only: mesh_t, unit_step
   use open_shares, only: find_cell, upper_face, measure_cell, measure_face, place_in, distance_at
   implicit none
   private
@@ -124,8 +124,7 @@ contains
     cell_volume = mesh%volumes(boxes%lo, boxes%hi)
     where (space%volume < least_open) space%volume = 0.0_wp
     do a = 1, 3
-      e = 0
-      e(a) = 1
+      e = unit_step(a)
       last = n + 2 - e
       do k = -1, last(3)
         do j = -1, last(2)
@@ -170,8 +169,7 @@ contains
     self%open_volume = self%open_volume - self%pocket_volume
     where (shut) self%volume = 0.0_wp
     do a = 1, 3
-      e = 0
-      e(a) = 1
+      e = unit_step(a)
       do k = -1, n(3) + 1
         do j = -1, n(2) + 1
           do i = -1, n(1) + 1
@@ -231,8 +229,7 @@ contains
         do i = 0, n(1) + 1
           call find_cell(boxes, mesh, [i, j, k], corner, h)
           do a = 1, 3
-            e = 0
-            e(a) = 1
+            e = unit_step(a)
             pair = [space%area(i - e(1), j - e(2), k - e(3), a), space%area(i, j, k, a)]
             facing(a) = (pair(2) - pair(1))*product(h)/h(a)
             if (sum(pair) > 0.0_wp) space%upper(i, j, k, a) = pair(2)/sum(pair)
@@ -244,8 +241,7 @@ contains
     allocate (space%beside(n(1), n(2), n(3)))
     call find_beside(space%wall(0:n(1) + 1, 0:n(2) + 1, 0:n(3) + 1) > 0.0_wp, space)
     do a = 1, 3
-      e = 0
-      e(a) = 1
+      e = unit_step(a)
       do k = 0, n(3) + 1 - e(3)
         do j = 0, n(2) + 1 - e(2)
           do i = 0, n(1) + 1 - e(1)
@@ -298,11 +294,9 @@ contains
     n = boxes%n
     allocate (space%bridge(-1:n(1), -1:n(2), -1:n(3), 3, 3), source=0.0_wp)
     do a = 1, 3
-      e = 0
-      e(a) = 1
+      e = unit_step(a)
       do b = 1, 3
-        s = 0
-        s(b) = 1
+        s = unit_step(b)
         do k = -1, n(3)
           do j = -1, n(2)
             do i = -1, n(1)
@@ -334,8 +328,7 @@ contains
     n = boxes%n
     grip = 1.0_wp
     do a = 1, 3
-      e = 0
-      e(a) = 1
+      e = unit_step(a)
       do k = 0, n(3) + 1 - e(3)
         do j = 0, n(2) + 1 - e(2)
           do i = 0, n(1) + 1 - e(1)

@@ -19,6 +19,7 @@ module pressure_solver
   use halo, only: halo_t, new_halo
   use hypre_struct, only: hypre_struct_t
   use kinds, only: wp
+  use mesh, only: unit_step
   implicit none
   private
   public :: pressure_solver_t, pace_size
@@ -197,14 +198,6 @@ contains
     if (a == 2) f(:, size(f, 2), :) = 0.0_wp
     if (a == 3) f(:, :, size(f, 3)) = 0.0_wp
   end subroutine clear_last
-
-  pure function unit_step(a) result(e)
-    integer, intent(in) :: a
-    integer :: e(3)
-
-    e = 0
-    e(a) = 1
-  end function unit_step
 
   !> Solve from zero until the 2-norm of the residual has fallen by `reduction`.
   !> What a free level cannot satisfy, the mean of b, is taken out of b.

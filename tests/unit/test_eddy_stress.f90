@@ -7,9 +7,10 @@ program test_eddy_stress
   use gas, only: gas_t
   use gas_cases, only: scene_t, make_gas
   use gas_settings, only: make_ideal
-  use gas_state, only: find_density, unit_step
+  use gas_state, only: find_density
   use kinds, only: wp
   use manufactured, only: flow_t, rho, mu, void
+  use mesh, only: unit_step
   use momentum, only: assemble_momentum
   use outcome, only: outcome_t
   use wall_settings, only: wall_settings_t

@@ -19,28 +19,21 @@ program verify_cohesion
 
   call start_ranks(comm)
   area = sticky_by_area(0.3_wp)
-  call check_value('pull_van_der_waals', found(hangs, 0.7_wp, 1.4_wp)*a*r/(6*near**2)*1e9_wp, a*r/(6*near**2)*1e9_wp)
-  call check_value('pull_area', found(hangs_by_area, 0.7_wp, 1.4_wp)*largest_pull()*1e9_wp, largest_pull()*1e9_wp)
+  call check_value('pull_van_der_waals', found('hangs', 0.7_wp, 1.4_wp)*a*r/(6*near**2)*1e9_wp, a*r/(6*near**2)*1e9_wp)
+  call check_value('pull_area', found('hangs_by_area', 0.7_wp, 1.4_wp)*largest_pull()*1e9_wp, largest_pull()*1e9_wp)
   depth = sqrt(2*sum(well(r/2))/(m/2))
-  call check_value('escape_pair', found(stays, 0.7_wp, 1.4_wp)*depth*1e3_wp, depth*1e3_wp)
+  call check_value('escape_pair', found('stays', 0.7_wp, 1.4_wp)*depth*1e3_wp, depth*1e3_wp)
   depth = sqrt(2*0.1_wp*(pi*area%cohesion_energy*r/2)**5/(4*modulus(area)*sqrt(r/2)/3)**4/(m/2))
-  call check_value('escape_area', found(stays_by_area, 0.7_wp, 1.4_wp)*depth*1e3_wp, depth*1e3_wp)
+  call check_value('escape_area', found('stays_by_area', 0.7_wp, 1.4_wp)*depth*1e3_wp, depth*1e3_wp)
   call sticking()
   call finish()
   call stop_ranks()
 
 contains
 
-  !> Up to where `holds` is true, between two values.
-  function found(holds, from, to) result(value)
-    interface
-      function holds(value)
-        use kinds, only: wp
-        implicit none
-        real(wp), intent(in) :: value
-        logical :: holds
-      end function holds
-    end interface
+  !> Up to which share the answer is yes, between two values.
+  function found(question, from, to) result(value)
+    character(len=*), intent(in) :: question
     real(wp), intent(in) :: from, to
     real(wp) :: value
 
@@ -51,7 +44,7 @@ contains
     high = to
     do i = 1, halvings
       value = (low + high)/2
-      if (holds(value)) then
+      if (holds(question, value)) then
         low = value
       else
         high = value
@@ -59,6 +52,25 @@ contains
     end do
     value = (low + high)/2
   end function found
+
+  function holds(question, share)
+    character(len=*), intent(in) :: question
+    real(wp), intent(in) :: share
+    logical :: holds
+
+    select case (question)
+    case ('hangs')
+      holds = hangs(share)
+    case ('hangs_by_area')
+      holds = hangs_by_area(share)
+    case ('stays')
+      holds = stays(share)
+    case ('stays_by_area')
+      holds = stays_by_area(share)
+    case default
+      error stop 'verify_cohesion: no such question'
+    end select
+  end function holds
 
   pure function largest_pull()
     real(wp) :: largest_pull
